@@ -22,7 +22,7 @@ from segmap import LaserScan, Log, load
 from segmap.alignment import pose_graph
 from segmap.alignment.graph import SCALE, Edge, Solver, deviations, residuals, solve
 from segmap.poses import between, compose
-from segmap.poses.information import rotated
+from segmap.poses.information import rotate
 from segmap.simulation import OdometryNoise, drifting_odometry
 
 from .measure import ROOT, Row
@@ -150,7 +150,7 @@ def theirs(made: World, scale: float) -> Any:
     import gtsam
 
     model, graph, values = gtsam.noiseModel, gtsam.NonlinearFactorGraph(), gtsam.Values()
-    turned = rotated(made.edges.information, made.edges.relative[:, 2])
+    turned = rotate(made.edges.information, made.edges.relative[:, 2])
     for i, j, motion, information in zip(*made.edges[:3], turned, strict=True):
         noise = model.Gaussian.Information(information)
         if np.isfinite(scale):

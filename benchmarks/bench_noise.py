@@ -10,7 +10,7 @@ import pandas as pd
 
 from segmap import SegmentMap, build_map
 from segmap.alignment import pose_graph
-from segmap.files import replacing
+from segmap.files import rewrite
 from segmap.reduction import one_per_wall
 
 from .bench_alignment import cases
@@ -35,7 +35,7 @@ def rows() -> Iterator[Row]:
         )
         found.append(row)
         yield Row(name, ", ".join(f"{word} {row[word]:.4f} m" for word in list(row)[1:]))
-    with replacing(RECORDS / "noise.csv") as target:
+    with rewrite(RECORDS / "noise.csv") as target:
         pd.DataFrame(found).round(4).to_csv(target, index=False, lineterminator="\n")
 
 

@@ -18,7 +18,7 @@ from segmap_course._known_buildings import NOISES, buildings
 
 from segmap import METHODS, SegmentMap
 from segmap.experiments import good_maps, load_walls
-from segmap.files import replacing
+from segmap.files import rewrite
 from segmap.metrics import against_walls
 from segmap.simulation import SICK_LMS200, URG_04LX
 
@@ -145,7 +145,7 @@ def judge(
     order = {name: k for k, name in enumerate([*GROUPS, *SENSORS, *NOISES, "drift", *METHODS])}
     keys = ["group", "sensor", "noise", "method"]
     frame = frame.sort_values(keys, key=lambda each: each.map(order), kind="stable")
-    with replacing(PATH) as target:
+    with rewrite(PATH) as target:
         frame.to_csv(target, index=False, lineterminator="\n")
 
 

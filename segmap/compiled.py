@@ -65,7 +65,7 @@ class Compiled(Generic[P, R]):
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
         """Run the machine code."""
         if self._fast is None:
-            self._fast = self.plain if runs_plain() else undisturbed(self._build)()
+            self._fast = self.plain if runs_plain() else hold_signals(self._build)()
         return self._fast(*args, **kwargs)
 
     def _build(self) -> Callable[P, R]:
@@ -80,7 +80,7 @@ class Compiled(Generic[P, R]):
         except RuntimeError:  # no folder that a cache could be written to
             machine = njit(nogil=True, **options)(linked)
         machine._cache.load_overload = _cached_code(linked, machine._cache)
-        machine.compile = undisturbed(machine.compile)
+        machine.compile = hold_signals(machine.compile)
         return cast(Callable[P, R], machine)
 
     def _options(self) -> dict[str, bool]:
@@ -91,7 +91,7 @@ class Compiled(Generic[P, R]):
 
         Elsewhere it would cost up to half of the time of a kernel that hands on tuples of arrays.
         """
-        kernels = [one for one in self._used().values() if isinstance(one, Compiled)]
+        kernels = [one for one in self._names().values() if isinstance(one, Compiled)]
         hints = [get_type_hints(one.plain).get("return", "ndarray") for one in (self, *kernels)]
         return not MAKERS.isdisjoint(self._code.co_names) or "ndarray" in str(hints)
 
@@ -102,7 +102,7 @@ class Compiled(Generic[P, R]):
         """
         function = cast(types.FunctionType, self.plain)
         scope = dict(function.__globals__)
-        for name, kernel in self._used().items():
+        for name, kernel in self._names().items():
             if isinstance(kernel, Compiled):
                 if kernel._inner is None:  # one that Python has called already serves kernels too
                     jit = njit(no_cpython_wrapper=True, **kernel._options())
@@ -115,7 +115,7 @@ class Compiled(Generic[P, R]):
         linked.__qualname__ = function.__qualname__ + kind + self._key()
         return linked
 
-    def _used(self) -> dict[str, Any]:
+    def _names(self) -> dict[str, Any]:
         """What the source names outside itself: other kernels, constants, classes, modules."""
         scope = cast(types.FunctionType, self.plain).__globals__
         return {name: scope[name] for name in self._code.co_names if name in scope}
@@ -133,7 +133,7 @@ class Compiled(Generic[P, R]):
     def _parts(self) -> set[tuple[str, str]]:
         """Names and files of this kernel, of those it calls and of its named tuples; constants."""
         parts = {(self.plain.__module__, self._code.co_filename)}
-        for name, value in self._used().items():
+        for name, value in self._names().items():
             if isinstance(value, Compiled):
                 parts |= value._parts()
             elif isinstance(value, (int, float, str, tuple)):
@@ -222,7 +222,7 @@ def work_time() -> float:
     return _clock.change(0)
 
 
-def undisturbed(compiling: Callable[..., R]) -> Callable[..., R]:
+def hold_signals(compiling: Callable[..., R]) -> Callable[..., R]:
     """Let interrupts wait: numba half imported, or a kernel half compiled, would stay broken.
 
     The main thread alone is interrupted. The clock of the work stands still, and Python looks for

@@ -54,12 +54,12 @@ def pip_install(extra: str) -> str:
     return " ".join(["pip install", *(missing or names)])
 
 
-def counted(count: int, word: str) -> str:
+def plural(count: int, word: str) -> str:
     """A number and what it counts.
 
     Examples
     --------
-    >>> counted(1, "scan"), counted(225, "scan")
+    >>> plural(1, "scan"), plural(225, "scan")
     ('1 scan', '225 scans')
     """
     return f"{count} {word}{'s' * (count != 1)}"
@@ -100,19 +100,19 @@ def facts(log: Any) -> list[Fact]:
     if log.assumed:
         rows.append(Fact("assumed", "; ".join(log.assumed), {}))
     if damage := log.skipped:
-        text = f"{counted(damage.lines, 'line')} left out; {damage.reason}"
+        text = f"{plural(damage.lines, 'line')} left out; {damage.reason}"
         rows.append(Fact("damaged", text, {"lines": damage.lines}))
     return rows
 
 
 def _scans(log: Any) -> Fact:
-    times, count = log.times[np.isfinite(log.times)], counted(len(log), "scan")
+    times, count = log.times[np.isfinite(log.times)], plural(len(log), "scan")
     if len(times) < 2 or not np.ptp(times):
         return Fact("scans", f"{count}, without times", {"scans": len(log)})
     steps, seconds = np.diff(times), float(np.ptp(times))
     rate = f", {1 / np.median(steps):.3g} a second" if np.median(steps) > 0 else ""
     back = int((steps < 0).sum())
-    early = f", {counted(back, 'time')} earlier than the one before" if back else ""
+    early = f", {plural(back, 'time')} earlier than the one before" if back else ""
     text = f"{count} in {seconds:.1f} s{rate}{early}"
     return Fact("scans", text, {"scans": len(log), "seconds": seconds})
 
@@ -128,9 +128,9 @@ def _beams(log: Any) -> Fact:
 
 def _view(log: Any) -> Fact:
     scan, places = max(log, key=len), {tuple(scan.sensor_pose) for scan in log}
-    lasers = "" if len(places) == 1 else f", {counted(len(places), 'laser')}"
+    lasers = "" if len(places) == 1 else f", {plural(len(places), 'laser')}"
     if len(scan) < 2:
-        return Fact("view", f"{counted(len(scan), 'beam')}{lasers}", {})
+        return Fact("view", f"{plural(len(scan), 'beam')}{lasers}", {})
     steps = np.abs(np.diff(scan.angles))
     wide, step = np.degrees([np.ptp(scan.angles), np.median(steps)]).tolist()
     text = f"{wide:.4g} degrees, {step:.3g} from beam to beam{lasers}"

@@ -34,12 +34,12 @@ MOST_UNPACKED_RATIO = 50
 HEAD = 256
 
 
-def shown(name: object) -> str:
+def escape(name: object) -> str:
     """A name or a line from outside as a terminal may show it: nothing in it moves the cursor.
 
     Examples
     --------
-    >>> print(shown("a\\x1b[2J\\n.log"))
+    >>> print(escape("a\\x1b[2J\\n.log"))
     a\\x1b[2J\\n.log
     """
     letters = (c if c.isprintable() else ascii(c)[1:-1] for c in str(name))
@@ -68,7 +68,7 @@ def as_html(value: object) -> str:
     [&#x27;&lt;b&gt;&#x27;, &#x27;\\ud800&#x27;] a\\x1b
     &lt;i&gt;
     """
-    return html.escape("\n".join(map(shown, str(value).split("\n"))))
+    return html.escape("\n".join(map(escape, str(value).split("\n"))))
 
 
 def file_name(name: str) -> str:
@@ -79,11 +79,11 @@ def file_name(name: str) -> str:
     >>> file_name("../../home/me"), file_name("run 1"), file_name("..")
     ('.._.._home_me', 'run 1', '__')
     """
-    plain = re.sub(r"[/\\:]", "_", shown(name))
+    plain = re.sub(r"[/\\:]", "_", escape(name))
     return plain if plain.strip(".") else "_" * len(plain)
 
 
-def existing(path: Path) -> os.stat_result | None:
+def stat_file(path: Path) -> os.stat_result | None:
     """The regular file that a path or its link leads to; None where nothing is there yet.
 
     Raises
@@ -99,21 +99,21 @@ def existing(path: Path) -> os.stat_result | None:
         return None
     if not stat.S_ISREG(status.st_mode):
         kind = "a folder" if stat.S_ISDIR(status.st_mode) else "a device or a pipe"
-        raise ValueError(f"{shown(path)} is {kind}, no regular file: name a file")
+        raise ValueError(f"{escape(path)} is {kind}, no regular file: name a file")
     return status
 
 
-def writable(path: Path) -> Path:
+def check_place(path: Path) -> Path:
     """Where a file is going to be, seen before any work is done for it.
 
     Raises
     ------
     ValueError, OSError
-        As `existing`; for a folder that does not exist, or cannot be written to.
+        As `stat_file`; for a folder that does not exist, or cannot be written to.
     """
-    existing(path)
+    stat_file(path)
     place = Path(os.path.realpath(path))
-    reason = f"cannot write {shown(path)}: the folder {shown(place.parent)}"
+    reason = f"cannot write {escape(path)}: the folder {escape(place.parent)}"
     if not place.parent.is_dir():
         raise FileNotFoundError(f"{reason} does not exist")
     try:  # os.access says to root that `/proc` is open
@@ -124,13 +124,13 @@ def writable(path: Path) -> Path:
 
 
 @contextmanager
-def replacing(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
+def rewrite(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
     """A file written beside its place, and moved there once it is complete.
 
     A file that was there keeps its mode; what a symbolic link leads to is replaced. With `sync` the
-    disk has it all before; a recorder has no time for that. Raises as `writable`.
+    disk has it all before; a recorder has no time for that. Raises as `check_place`.
     """
-    place, old = writable(path), existing(path)
+    place, old = check_place(path), stat_file(path)
     part = place.with_name(f".segmap-{uuid.uuid4().hex}.part")
     try:
         with part.open("x+b") as target:
@@ -156,11 +156,11 @@ def write_lines(path: Path, lines: Iterable[str]) -> None:
 
 def write_bytes(path: Path, data: bytes) -> None:
     """Write bytes, packed where the name ends in `.gz`."""
-    with replacing(path) as target:
-        target.write(packed(data) if path.suffix == ".gz" else data)
+    with rewrite(path) as target:
+        target.write(pack(data) if path.suffix == ".gz" else data)
 
 
-def packed(data: bytes) -> bytes:
+def pack(data: bytes) -> bytes:
     """Bytes as gzip, never so small that a reader takes them for a bomb."""
     gzipped = gzip.compress(data, mtime=0)
     return gzip.compress(data, 0, mtime=0) if len(data) > most_unpacked(len(gzipped)) else gzipped
@@ -176,7 +176,7 @@ def write_npz(path: Path, kind: str, by_name: Mapping[str, NDArray[Any] | str]) 
     texts = {name: value for name, value in named.items() if isinstance(value, str)}
     arrays = {name: value for name, value in named.items() if name not in texts}
     large = sum(map(len, texts.values())) + sum(v.nbytes + HEAD for v in arrays.values())
-    with replacing(path) as target:
+    with rewrite(path) as target:
         np.savez_compressed(target, **arrays)
         if large > most_unpacked(target.tell()):  # a reader would take it for a bomb
             target.seek(0)
@@ -195,7 +195,7 @@ def read_npz(path: Path, kind: str) -> dict[str, NDArray[Any]]:
     ValueError
         Naming the file: damaged, of another kind or version, out of proportion to its size.
     """
-    arrays, place = read_arrays(path), shown(path)
+    arrays, place = read_arrays(path), escape(path)
     (name, version), layout = kind.rsplit(" ", 1), str(arrays.pop("format", ""))
     if not layout.startswith(name):
         raise ValueError(f"{place}: not a {name.split()[1]} of segmap, holds {sorted(arrays)}")
@@ -219,7 +219,7 @@ def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
     ValueError
         Naming the file: damaged, or out of proportion to its size.
     """
-    existing(path)
+    stat_file(path)
     most, texts = most_unpacked(path.stat().st_size), {}
     try:
         with zipfile.ZipFile(path) as packed:
@@ -231,8 +231,8 @@ def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
             names = [name for name in archive.files if name not in texts]
             return texts | {name: archive[name] for name in each(names, "reading array")}
     except Exception as error:  # zipfile, zlib and numpy raise a dozen
-        words = shown(error) or type(error).__name__
-        raise ValueError(f"{shown(path)}: not a readable NPZ file ({words})") from None
+        words = escape(error) or type(error).__name__
+        raise ValueError(f"{escape(path)}: not a readable NPZ file ({words})") from None
 
 
 def most_unpacked(size: int) -> int:

@@ -158,7 +158,7 @@ def distance_below(u: Array, v: Array, a: Array, b: Array, most: float) -> float
 
 
 @compiled
-def _common(s: Array, a: Array, i: int, t: Array, j: int, far: float) -> tuple[float, float, bool]:
+def _overlap(s: Array, a: Array, i: int, t: Array, j: int, far: float) -> tuple[float, float, bool]:
     """What segment j of t says to the described segment i of s, both in one frame, metres.
 
     The length of i that it covers when projected on it; how far it lies off the line of i there
@@ -189,10 +189,10 @@ def hausdorff(u: Array, v: Array) -> float:
 def match_value(s: Array, a: Array, i: int, t: Array, b: Array, j: int, rule: Rule) -> float:
     """Length, metres, on which segment i of s and j of t agree (A 2.7.10); 0 for no match."""
     distance, far, long, whole = rule
-    on_i, off_i, past_i = _common(s, a, i, t, j, far)
+    on_i, off_i, past_i = _overlap(s, a, i, t, j, far)
     if on_i == 0.0:
         return 0.0
-    on_j, off_j, past_j = _common(t, b, j, s, i, far)
+    on_j, off_j, past_j = _overlap(t, b, j, s, i, far)
     if on_j == 0.0:
         return 0.0
     apart = hausdorff(s[i], t[j]) if whole else min(off_i, off_j)

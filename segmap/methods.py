@@ -83,7 +83,7 @@ def bracket(
     return ()
 
 
-def halved(keeps: Callable[[float], bool], ends: tuple[float, ...]) -> tuple[float, ...]:
+def halve(keeps: Callable[[float], bool], ends: tuple[float, ...]) -> tuple[float, ...]:
     """Bisect a bracket at its geometric mean, and keep the half with the change."""
     middle = (ends[0] * ends[1]) ** 0.5
     return (middle, ends[1]) if keeps(middle) else (ends[0], middle)

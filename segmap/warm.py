@@ -42,7 +42,7 @@ _dispatched: set[str] = set()
 def cases() -> dict[str, Callable[[], Found]]:
     """Name of each case, `room method`, and its call; the longest to compile come first."""
     families = (
-        ("reduction", reduction.METHODS, _reduced),
+        ("reduction", reduction.METHODS, _reduce),
         ("alignment", alignment.METHODS, _align),
     )
     ours: dict[str, Callable[[], Found]] = {
@@ -105,11 +105,11 @@ def loops(functions: Iterable[Any]) -> set[Any]:
         if isinstance(one, partial):
             to_visit += one.args
         if getattr(one, "__module__", "").startswith("segmap"):
-            to_visit += vars(one).values() if isinstance(one, type) else _named(one)
+            to_visit += vars(one).values() if isinstance(one, type) else _callees(one)
     return {one for one in seen.values() if isinstance(one, Compiled)}
 
 
-def _named(function: Any) -> list[Any]:
+def _callees(function: Any) -> list[Any]:
     """What of this package a function names: `name`, or `module.name`."""
     if not isinstance(function, FunctionType):
         return []
@@ -154,7 +154,7 @@ def _log(every: int = 4) -> Log:
     return Log("few", thin, log.truth[chosen])
 
 
-def _reduced(name: str, method: Method[Any]) -> Found:
+def _reduce(name: str, method: Method[Any]) -> Found:
     walls, seen = _walls()
     map = SegmentMap(
         np.concatenate([seen, walls + 0.02]), np.repeat([0, 1], (36, 12)), sensors=np.zeros((2, 2))

@@ -14,8 +14,8 @@ import numpy as np
 from segmap import readers, warm
 from segmap.arrays import Array
 from segmap.carried import CASES, CarriedMap
-from segmap.display import counted
-from segmap.files import replacing
+from segmap.display import plural
+from segmap.files import rewrite
 from segmap.progress import Stopped, announce
 from segmap.scans import LaserScan, Log
 from segmap.sensors import Newest, SensorError, SpinningLaser, UrgSensor
@@ -72,7 +72,7 @@ def driven(model: str, port: str, path: Path, clockwise: bool | None) -> tuple[L
 
 def mirrored(path: Path) -> Log:
     """The log of a drive with its angles counted the other way: the file is written anew."""
-    with path.open(encoding="ascii", newline="") as old, replacing(path) as new:
+    with path.open(encoding="ascii", newline="") as old, rewrite(path) as new:
         new.write(next(old).encode())
         for row in csv.reader(old):
             row[2] = f"{-float(row[2]):.6f}"
@@ -115,7 +115,7 @@ def follow(scans: Iterable[LaserScan]) -> None:
             advice, until = map.advice, time.monotonic() + READ_S
         skipped = getattr(scans, "skipped", 0)
         words = Driving(
-            f"live: {counted(len(map.graph), 'scan')}, {way:.2f} m, {advice or 'sure'}"
+            f"live: {plural(len(map.graph), 'scan')}, {way:.2f} m, {advice or 'sure'}"
             + f", {skipped} left out" * bool(skipped)
         )
         words.map, words.pose, words.advice = map, step.pose, advice

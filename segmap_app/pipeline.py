@@ -11,7 +11,7 @@ from segmap import alignment, arrays, extraction, metrics, reduction, warm
 from segmap.alignment import Alignment, LiveGraph, Verdict
 from segmap.arrays import declared
 from segmap.exports import Frame
-from segmap.files import shown
+from segmap.files import escape
 from segmap.progress import Stopped, announce
 from segmap.quadtree import QuadtreeMap, extent, without_passers
 from segmap.reduction import Reduction
@@ -322,7 +322,7 @@ class Pipeline:
         mends = (f"; {k} {', '.join(edits[k])}" for k in ("veto", "tie") if k in edits)
         mended = "".join(mends) + (f"; {self.stopped}" if self.stopped else "")
         way = {
-            "map": shown(name),
+            "map": escape(name),
             "alignment": recipe.align.name,
             "align_thresholds": " ".join(
                 [*map(option_words, (recipe.prepare or {}).items()), recipe.align.words() + mended]

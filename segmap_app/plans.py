@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from segmap import __version__, extraction, reduction, warm
-from segmap.display import counted
-from segmap.files import shown
+from segmap.display import plural
+from segmap.files import escape
 from segmap.plan import FloorPlan, floor_plan
 from segmap.plan.edits import Edit
 from segmap.quadtree import build_map
@@ -35,8 +35,8 @@ def plan_of(outcome: Pipeline, edits: Sequence[Edit] = ()) -> FloorPlan:
 def sheet_words(outcome: Pipeline) -> dict[str, Any]:
     """What a sheet says of an outcome: title, verdict, day and source, and where north is."""
     recipe, today = outcome.recipe, datetime.date.today().isoformat()
-    source = f"{counted(len(outcome.given), 'scan')}, {recipe.align.name}, segmap {__version__}"
-    words = {"title": shown(outcome.given.name), "verdict": outcome.verdict.words, "date": today}
+    source = f"{plural(len(outcome.given), 'scan')}, {recipe.align.name}, segmap {__version__}"
+    words = {"title": escape(outcome.given.name), "verdict": outcome.verdict.words, "date": today}
     (degrees,) = recipe.edits.get("north", [None])
     north = None if degrees is None else math.radians(degrees)
     return words | {"source": source, "north": north}

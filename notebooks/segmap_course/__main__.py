@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from segmap.files import shown, speak
+from segmap.files import escape, speak
 
 from .grading import handout
 
@@ -27,14 +27,14 @@ def main(arguments: list[str] | None = None) -> int:
         print("stopped", file=sys.stderr)
         return 130
     except (ValueError, OSError) as error:
-        print(shown(f"{request.command}: {error}"), file=sys.stderr)
+        print(escape(f"{request.command}: {error}"), file=sys.stderr)
         return 1
     points = sum(task.points for task in tasks)
     chapters = len({task.chapter for task in tasks})
     print(f"{len(tasks)} tasks in {chapters} chapters, {points} points")
-    print(shown(f"for students: {lab.parent / 'release' / lab.name}"))
-    print(shown(f"for you alone, solutions and hidden cases: {lab.parent / 'source' / lab.name}"))
-    print(shown(f"to grade, in {lab.parent}: nbgrader autograde {lab.name}, then nbgrader export"))
+    print(escape(f"for students: {lab.parent / 'release' / lab.name}"))
+    print(escape(f"for you alone, solutions and hidden cases: {lab.parent / 'source' / lab.name}"))
+    print(escape(f"to grade, in {lab.parent}: nbgrader autograde {lab.name}, then nbgrader export"))
     return 0
 
 

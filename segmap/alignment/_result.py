@@ -20,7 +20,7 @@ from ..extraction import extract_polylines
 from ..poses.motions import between, compose
 from ..scans import LaserScan, Log
 from ..scans.causes import Finding, Unmatched
-from ..scans.motion import skew_warning, stood
+from ..scans.motion import rests, skew_warning
 from ..scans.odometry import contradictions, promised_under
 from ..segments import SegmentMap, length
 from ._verdict import SURE_M, Verdict, judge
@@ -288,7 +288,7 @@ def checked_alignment(
     def appraise() -> Appraisal:
         """What the method says, behind what is known of the log and seen in it."""
         own, of_log = outcome.appraise(), getattr(scans, "causes", ())
-        seen = skew_warning(scans, poses) + stood(scans, poses) + contradictions(scans, poses, used)
+        seen = skew_warning(scans, poses) + rests(scans, poses) + contradictions(scans, poses, used)
         proviso = promised_under(scans, poses, used)
         return own._replace(causes=(*of_log, *seen, *own.causes), proviso=proviso)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ..display import counted
+from ..display import plural
 from ..metrics import doubled_walls
 from ..scans.causes import Cause
 from ..segments import SegmentMap
@@ -108,7 +108,7 @@ def judge(found: Alignment, map: SegmentMap | None = None) -> Verdict:
     if map is not None and len(map):
         share = doubled_walls(map, found.poses[:, :2] if map.sensors is None else None)
         doubled = share if np.isfinite(share) else None
-    summary = f"{placed} of {counted(scans, 'scan')} placed"
+    summary = f"{placed} of {plural(scans, 'scan')} placed"
     costly = [finding for finding in found.causes if finding.doubtful]
     causes = tuple(str(each.cause) for each in costly)
     figures = placed, scans, sure, worst, doubled, causes
@@ -132,7 +132,7 @@ def judge(found: Alignment, map: SegmentMap | None = None) -> Verdict:
     if sure is not None:
         local = int(near.sum())
         more = f" ({local} relative to those within 20 m)" if local > sure else ""
-        (against if local < PLACED * placed else rest).append(f"{counted(sure, 'scan')} sure{more}")
+        (against if local < PLACED * placed else rest).append(f"{plural(sure, 'scan')} sure{more}")
     # 3. What confirms it
     unchecked = [each.words for each in found.causes if each.cause is Cause.NOT_CHECKED]
     open_questions = [] if against else unchecked or [ONE_LOOK] * (placed == 1)

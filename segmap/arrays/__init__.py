@@ -58,8 +58,8 @@ from ._tables import (
     segments,
     share_of_second,
     table,
-    trailing,
     values,
+    with_axes,
 )
 
 __all__ = [
@@ -69,5 +69,5 @@ __all__ = [
     "checked", "declared", "described", "file", "frame", "function", "indices", "instance",
     "is_iterable", "number", "numbers", "one_of", "point", "points", "pose", "poses", "ranges",
     "ready", "rectangle", "refuse_masked", "row", "segments", "share_of_second", "switch", "table",
-    "trailing", "upper_bound_excluded", "values", "whole",
+    "upper_bound_excluded", "values", "whole", "with_axes",
 ]  # fmt: skip

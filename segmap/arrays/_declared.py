@@ -43,7 +43,7 @@ class Quantity:
     usual: float | None = None
     share: float | None = None
 
-    def narrowed(self, by: Quantity) -> Quantity:
+    def narrow(self, by: Quantity) -> Quantity:
         """With what another says: its lower bound in place of ours, its upper one likewise."""
         changes = {f.name: v for f in fields(by) if (v := getattr(by, f.name)) is not None}
         for pair in (("above", "least"), ("below", "most")):
@@ -193,11 +193,11 @@ def described(of: Callable[..., Any]) -> dict[str, str]:
         sentence = " ".join(words.split())
         other = re.fullmatch(r"As in `([\w.]+)`\.", sentence)
         for name in names.partition(" : ")[0].split(", "):
-            sentences[name] = described(_near(of, other[1]))[name] if other else sentence
+            sentences[name] = described(_find(of, other[1]))[name] if other else sentence
     return sentences
 
 
-def _near(of: Callable[..., Any], path: str) -> Any:
+def _find(of: Callable[..., Any], path: str) -> Any:
     """What a docstring names, `alignment.match_values`: of its module, or of a room above."""
     home = of.__module__
     while home:
@@ -217,7 +217,7 @@ def _declared_by(hint: Any) -> Declared:
     inner = parts[0] if optional else hint
     quantity = Quantity()
     for extra in getattr(inner, "__metadata__", ()):
-        quantity = quantity.narrowed(extra) if isinstance(extra, Quantity) else quantity
+        quantity = quantity.narrow(extra) if isinstance(extra, Quantity) else quantity
     kind = getattr(inner, "__origin__", inner)
     words = typing.get_args(inner) if kind is Literal else ()
     return Declared(str if words else kind, quantity, words, optional)

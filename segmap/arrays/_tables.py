@@ -144,16 +144,16 @@ def share_of_second(first: object, second: object, names: tuple[str, str]) -> Ar
     return np.asarray(b / (a + b))
 
 
-def trailing(value: object, name: str, *axes: int) -> Array:
+def with_axes(value: object, name: str, *axes: int) -> Array:
     """Numbers of any leading shape whose last axes are given; NaN may be among them.
 
     Points are `(..., 2)`, poses `(..., 3)`, segments `(..., 2, 2)`. An empty list is no row.
 
     Examples
     --------
-    >>> trailing([[(0, 0), (1, 0)]], "segments", 2, 2).shape
+    >>> with_axes([[(0, 0), (1, 0)]], "segments", 2, 2).shape
     (1, 2, 2)
-    >>> trailing((0, 0), "pose", 3)
+    >>> with_axes((0, 0), "pose", 3)
     Traceback (most recent call last):
     ValueError: pose must have shape (..., 3), got (2,)
     """

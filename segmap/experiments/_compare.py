@@ -84,7 +84,7 @@ def pareto(frame: pd.DataFrame, *, each_method: bool = False) -> pd.DataFrame:
     points, on_front = _points(frame), np.zeros(len(frame), bool)
     groups = frame.groupby(by, sort=False)
     for places in groups.indices.values():
-        on_front[places] = ~_beaten(points[places])
+        on_front[places] = ~_dominance(points[places])
     return frame[on_front]
 
 
@@ -139,7 +139,7 @@ def front(points: ArrayLike) -> Array:
            [0.9, 0.4]])
     """
     array = arrays.table(points, "points", 2, unit="shares", missing=True)
-    return np.unique(array[~_beaten(array)], axis=0)
+    return np.unique(array[~_dominance(array)], axis=0)
 
 
 def reduction_at(points: ArrayLike, quality: float) -> float:
@@ -162,7 +162,7 @@ def _points(frame: pd.DataFrame) -> Array:
     return frame[["quality", "reduction"]].to_numpy(float)
 
 
-def _beaten(points: Array) -> NDArray[np.bool_]:
+def _dominance(points: Array) -> NDArray[np.bool_]:
     """True for dominated points (Pareto): another is as good in both, and better in one; `(n,)`.
 
     The quality of an empty map is NaN: every other point dominates it.

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..files import existing, shown, write_bytes
+from ..files import escape, stat_file, write_bytes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -57,14 +57,14 @@ def read_rows(path: Path) -> list[Row]:
     """The lines of a file of runs; a ValueError where it is none."""
     import pandas as pd
 
-    existing(path)
+    stat_file(path)
     of_column: Any = {"map": str, "method": str, "thresholds": thresholds_in, **NUMBER_COLUMNS}
     try:
         cells = pd.read_csv(path, converters=of_column)[RUN_COLUMNS].fillna({"filtered": 0.0})
     except (ValueError, KeyError) as error:
         columns = ",".join(RUN_COLUMNS)
         raise ValueError(
-            f"{shown(path.name)}: expected a CSV file of runs, {columns} ({shown(error)})"
+            f"{escape(path.name)}: expected a CSV file of runs, {columns} ({escape(error)})"
         ) from error
     return cells.to_dict("records")  # type: ignore[return-value]
 

@@ -46,7 +46,7 @@ def default_thresholds(function: Function) -> Thresholds | None:
     return {p.name: None if p.default is p.empty else p.default for p in list(parameters)[1:]}
 
 
-def planned(
+def runs_of(
     maps: Mapping[str, Segments],
     methods: Iterable[str] | Mapping[str, Function],
     grids: Mapping[str, Grid],
@@ -57,7 +57,7 @@ def planned(
     # A method that is asked for by its name alone runs wherever the map comes from.
     own: dict[str, Any] = dict(methods) if isinstance(methods, Mapping) else {}
     needs = {name for name, m in own.items() if isinstance(m, Method) and m.needs_sensors}
-    for name in () if own else _listed(methods, "methods"):
+    for name in () if own else _as_list(methods, "methods"):
         own |= {arrays.one_of(name, "methods", METHODS): METHODS[name]}
     functions: dict[str, Function] = {
         name: arrays.function(getattr(m, "function", m), "methods", "of a map and thresholds")
@@ -69,20 +69,20 @@ def planned(
     return [
         Job(row | {"method": method, "thresholds": thresholds}, part, functions[method], repeat)
         for name, map in maps.items()
-        for row, part in _filtered(name, map, _listed(filters, "filters"))
+        for row, part in _filter(name, map, _as_list(filters, "filters"))
         for method, plan in plans.items()
         if method not in needs or part.sensors is not None
         for thresholds in plan
     ]
 
 
-def _listed(values: Iterable[T], name: str) -> list[T]:
+def _as_list(values: Iterable[T], name: str) -> list[T]:
     if isinstance(values, str) or not arrays.is_iterable(values):
         raise ValueError(f"{name} must be a list, got {arrays.brief(values)}")
     return list(values)
 
 
-def _filtered(
+def _filter(
     name: str, map: Segments, filters: list[float | None]
 ) -> Iterator[tuple[Row, SegmentMap]]:
     """A map after each filter, and what a row says of it."""
@@ -108,19 +108,19 @@ def _combinations(name: str, function: Function, grid: Grid) -> list[Thresholds]
     defaults, words = default_thresholds(function), f"grids[{name!r}]"
     numbers = {k: v for k, v in (defaults or {}).items() if isinstance(v, int | float)}
     combinations = []
-    for row in _listed(grid, words):
+    for row in _as_list(grid, words):
         arrays.instance(row, words, Mapping)
         if defaults is not None and (strange := set(row) - set(defaults)):
             names = ", ".join(defaults)
             raise ValueError(f"{words} must be of {names}, got {', '.join(map(str, strange))}")
         if taken := NO_THRESHOLDS & set(row):
             raise ValueError(f"{name} must not call a threshold {taken.pop()!r}: a column is")
-        plain = {k: _plain(v) for k, v in (numbers | dict(row)).items()}
+        plain = {k: _number(v) for k, v in (numbers | dict(row)).items()}
         combinations.append({k: v for k, v in plain.items() if v is not None or defaults is None})
     return combinations
 
 
-def _plain(value: Any) -> Threshold:
+def _number(value: Any) -> Threshold:
     """A number of Python's own, as a file keeps it."""
     plain = value.item() if isinstance(value, np.generic) else value
     if plain is None or isinstance(plain, int | float):

@@ -14,7 +14,7 @@ from ..metrics import invented, missed, quality, reduction_rate
 from ..progress import announce
 from ..reduction import METHODS
 from ._files import Row, as_frame
-from ._plan import Function, Grid, Job, planned
+from ._plan import Function, Grid, Job, runs_of
 from ._records import number_text
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def sweep(
     grids = arrays.instance({} if grids is None else grids, "grids", Mapping)
     if executor is not None:
         arrays.instance(executor, "executor", Executor)
-    jobs = planned(maps, chosen, grids, filters, arrays.whole(repeat, "repeat", most=MOST_REPEATS))
+    jobs = runs_of(maps, chosen, grids, filters, arrays.whole(repeat, "repeat", most=MOST_REPEATS))
     done: dict[int, Row] = {}
 
     def keep(index: int, row: Row) -> None:

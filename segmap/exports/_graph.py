@@ -72,7 +72,7 @@ def write_graph(path: str | Path, graph: Alignment | PoseGraph) -> None:
         f"VERTEX_SE2 {name} {_graph_row(pose)}"
         for name, pose in zip(names, graph.poses, strict=True)
     ]
-    turned = information.rotated(graph.information, graph.relative[:, 2])
+    turned = information.rotate(graph.information, graph.relative[:, 2])
     upper = turned.reshape(-1, 9)[:, [0, 1, 2, 4, 5, 8]]
     for (i, j), motion, six in zip(graph.edges.tolist(), graph.relative, upper, strict=True):
         lines.append(f"EDGE_SE2 {names[i]} {names[j]} {_graph_row(motion)} {_graph_row(six)}")

@@ -13,7 +13,7 @@ import numpy as np
 
 from .. import arrays
 from ..arrays import Array, Segments, checked
-from ..files import shown, write_bytes
+from ..files import escape, write_bytes
 from ..plan import FloorPlan, Room, shapely_or_hint
 from ..poses import transform
 from ..segments import length
@@ -143,7 +143,7 @@ def checked_words(*words: str) -> list[str]:
     for name, text in zip(("title", "verdict", "date", "source"), words, strict=True):
         if "\0" in arrays.instance(text, name, str):
             raise ValueError(f"{name} has a NUL character, got {text!r}")
-    return [*map(shown, words)]
+    return [*map(escape, words)]
 
 
 def rounded_up(least: float) -> float:
@@ -253,7 +253,7 @@ def _write_words(ax: Any, words: list[str], doubt: str, scale: str, right: float
     lines = textwrap.wrap(verdict, LETTERS_PER_LINE)[:3]
     ax.text(left_mm, top_mm - 14, "\n".join(lines), fontsize=9, **plain)
     doubts = textwrap.wrap(
-        f"in doubt: {shown(doubt)}" if doubt else "", DOUBT_LETTERS_PER_LINE,
+        f"in doubt: {escape(doubt)}" if doubt else "", DOUBT_LETTERS_PER_LINE,
         max_lines=MOST_DOUBT_LINES, placeholder=" ...",
     )  # fmt: skip
     below_mm = top_mm - 14 - LINE_MM * len(lines)
@@ -264,7 +264,7 @@ def _write_words(ax: Any, words: list[str], doubt: str, scale: str, right: float
 
 def _list_of_rooms(plan: FloorPlan, wide: float) -> tuple[float, list[dict[str, Any]]]:
     """Rooms with their areas and sides, and the sum, in columns: their height, and the words."""
-    names = [*(shown(room.name) for room in plan.rooms), "in all"]
+    names = [*(escape(room.name) for room in plan.rooms), "in all"]
     sizes = [room.area for room in plan.rooms]
     areas = [f"{size:.1f} m2" for size in (*sizes, sum(sizes))]
     sides = ["{:.2f} x {:.2f} m".format(*room_sides(plan, room)) for room in plan.rooms]
@@ -356,7 +356,7 @@ def labels_of(plan: FloorPlan, paper: Paper) -> list[Label]:
     clutter = shapely.multilinestrings(paper.placed(plan.clutter.segments))
     labels, outside = Labels(drawn, drawn | clutter, page), list[tuple[str, Array]]()
     for room, area in zip(plan.rooms, areas, strict=True):
-        words = f"{shown(room.name)}\n{room.area:.1f} m2"
+        words = f"{escape(room.name)}\n{room.area:.1f} m2"
         if not labels.place_inside(words, area):
             outside.append((words, paper.placed(room.place)))
     beyond = page.difference(shapely.union_all(areas))

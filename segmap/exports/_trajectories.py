@@ -12,7 +12,7 @@ from .. import arrays
 from ..alignment import Alignment
 from ..angles import wrap
 from ..arrays import Array
-from ..files import packed, replacing, write_lines
+from ..files import pack, rewrite, write_lines
 from ..poses import compose
 from ..readers import LogError, half_turn, read
 from ..scans import NO_POSE, LaserScan, Log
@@ -113,9 +113,9 @@ def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None
         head, tail = _old(scan, number) if old else _new(scan, number)
         lines.append(f"{head} {_numbers(both_poses)}{tail} {timed}")
     place = arrays.file(path)
-    with replacing(place) as target:
+    with rewrite(place) as target:
         data = "".join(f"{line}\n" for line in lines).encode("ascii")
-        target.write(packed(data) if place.suffix == ".gz" else data)
+        target.write(pack(data) if place.suffix == ".gz" else data)
         target.flush()
         _check_readable(Path(target.name), log, place.name)
 

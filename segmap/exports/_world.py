@@ -31,7 +31,7 @@ class Frame(Settings):
 
     def coordinates(self, points: ArrayLike) -> Array:
         """Coordinates `(..., 2)` of points `(..., 2)` of the map, metres."""
-        return arrays.trailing(points, "points", 2)
+        return arrays.with_axes(points, "points", 2)
 
 
 def feature(geometry: str, coordinates: Any, **properties: Any) -> dict[str, Any]:

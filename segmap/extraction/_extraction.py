@@ -18,7 +18,7 @@ from ..arrays import Array, Count, Gap, Metres, Poses, at_least, checked
 from ..poses.motions import transform
 from ..progress import each
 from ..scans import LaserScan, Log
-from ..scans.motion import standing
+from ..scans.motion import repeats_place
 from ..scans.noise import USUAL_SIGMA_M, SensorNoise, sensor_noise, warn_if_other_sensor
 from ..scans.pose_argument import checked_poses, warn_if_empty_map
 from ..segments import MIN_LENGTH, SegmentMap
@@ -91,7 +91,7 @@ def extract_clusters(
     array([[[0.08, 1.08],
             [0.48, 0.68]]])
     """
-    return _clusters(_alone(points, closed), gap, fit).segments
+    return _clusters(_one_scan(points, closed), gap, fit).segments
 
 
 @checked
@@ -141,7 +141,7 @@ def extract_polylines(
            [[1. , 0. ],
             [1. , 1. ]]])
     """
-    scan = _alone(points, closed)
+    scan = _one_scan(points, closed)
     return _polylines(scan, gap, tolerance, min_points, min_length, sensor).segments
 
 
@@ -183,7 +183,7 @@ def build_map(
     """
     arrays.function(extract, "extract", "of points")
     rows = checked_poses(log, poses)
-    scan_numbers = np.flatnonzero(np.isfinite(rows).all(1) & ~standing(log, rows))
+    scan_numbers = np.flatnonzero(np.isfinite(rows).all(1) & ~repeats_place(log, rows))
     if extract is extract_polylines and "tolerance" not in thresholds:
         measured = sensor_noise(log)
         sensor = arrays.instance(thresholds.get("sensor") or measured, "sensor", SensorNoise)
@@ -231,7 +231,7 @@ def fit_line(points: ArrayLike) -> tuple[Array, float]:
     return np.array([x, y]), float(np.arctan2(dy, dx) % np.pi)
 
 
-def _alone(points: ArrayLike, closed: bool) -> Beams:
+def _one_scan(points: ArrayLike, closed: bool) -> Beams:
     """The points of one scan."""
     p = np.array(arrays.points(points))
     return Beams(p, np.array([0, len(p)]), np.array([closed]), np.zeros((1, 2)))

@@ -165,11 +165,11 @@ class LiveMap(Locked):
 
     def finish(self) -> None:
         """Wait until the map shows all scans at their corrected poses."""
-        while (anew := self._making()) is not None:
+        while (anew := self._pending()) is not None:
             wait([anew])
 
     @locked
-    def _making(self) -> Future[Anew] | None:
+    def _pending(self) -> Future[Anew] | None:
         """The new map that is still to be made, if any."""
         self._exchange()
         self._begin()

@@ -68,11 +68,11 @@ def route(map: QuadtreeMap, start: ArrayLike, goal: ArrayLike, *, radius: Metres
     square = clear.at(np.floor(places).astype(np.int64))
     if square[0] < 0 or (square[1:] < 0).all():
         raise NoRoute(_reason(map, "goal" if square[0] >= 0 else "start", first, goals[0], radius))
-    corners = _shortest(clear, places, square)
+    corners = _way_of(clear, places, square)
     if corners is None:
         least = _clear(map, 0.0)
         square = least.at(np.floor(places).astype(np.int64))
-        closed = _shortest(least, places, square) is None
+        closed = _way_of(least, places, square) is None
         why = "walls or unknown space close it" if closed else "it is too narrow somewhere"
         raise NoRoute(
             f"no way from start {_place_text(first)} to a goal keeps {radius:g} m from walls: {why}"
@@ -106,7 +106,7 @@ def _clear(map: QuadtreeMap, radius: float) -> Squares:
     return Squares(*parts) if parts else Squares(np.zeros((0, 2), np.int64), np.zeros(0, np.int64))
 
 
-def _shortest(clear: Squares, places: Array, squares: Cells) -> Array | None:
+def _way_of(clear: Squares, places: Array, squares: Cells) -> Array | None:
     """Corners of the shortest way from the first place to one of the others; None where none is."""
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import dijkstra

@@ -75,7 +75,7 @@ def doubled_walls(
         stood = SegmentMap(map.segments, map.scan, sensors=sensors).sensors  # which checks them
     if stood is None:
         raise ValueError("sensors must say where each scan of the map was taken, got None")
-    places, facing = _frequent(map, stood[map.scan], angle, looks)
+    places, facing = _pieces(map, stood[map.scan], angle, looks)
     if not len(places):
         return float("nan")
     from scipy.spatial import cKDTree
@@ -91,7 +91,7 @@ def doubled_walls(
     return len(np.unique(pairs[same])) / len(places)
 
 
-def _frequent(map: SegmentMap, stood: Array, angle: float, looks: int) -> tuple[Array, Array]:
+def _pieces(map: SegmentMap, stood: Array, angle: float, looks: int) -> tuple[Array, Array]:
     """Pieces of wall that so many scans show: places, `(m, 2)`, and the directions they face.
 
     `stood` says where each segment was seen from, `(n, 2)`, metres. Looks at one piece fall into

@@ -70,7 +70,7 @@ def distance_terms(
     >>> [round(float(term), 6) for term in terms]
     [0.0, 0.05, 0.1]
     """
-    u, v = arrays.trailing(u, "u", 2, 2), arrays.trailing(v, "v", 2, 2)
+    u, v = arrays.with_axes(u, "u", 2, 2), arrays.with_axes(v, "v", 2, 2)
     share = arrays.share_of_second(weight_u, weight_v, ("weight_u", "weight_v"))
     at_u, at_v = _angles_of_both(u, v)
     turn = axial_difference(at_v, at_u)

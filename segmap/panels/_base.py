@@ -101,14 +101,14 @@ class Panel:
 
     def _redraw(self, change: Any = None) -> None:
         if not self._held:
-            self._figure = self._look.take(self._drawn())
+            self._figure = self._look.take(self._new_figure())
             self._paint()
 
     def _paint(self) -> None:
         """Show the part of the drawing that is to be seen."""
         self.picture.value = figure_png(self._look.set(self._figure), finer=FINER)
 
-    def _drawn(self) -> Figure:
+    def _new_figure(self) -> Figure:
         figure = Figure(
             (self._size[0] / PANEL_DPI, self._size[1] / PANEL_DPI),
             dpi=PANEL_DPI,
@@ -131,7 +131,7 @@ class Panel:
         if not self._was_shown:
             self._remember()
             self._was_shown = True
-        still = figure_png(self._drawn()) if self._paints() else bytes(self.picture.value)
+        still = figure_png(self._new_figure()) if self._paints() else bytes(self.picture.value)
         return bundle | {"image/png": still, "text/plain": repr(self)}
 
 

@@ -16,7 +16,7 @@ from .. import arrays
 from ..arrays import Array, Metres, checked
 from ..carried import CarriedMap
 from ..compiled import work_time
-from ..display import counted
+from ..display import plural
 from ..extraction import extract_polylines
 from ..matching import LiveMap, Step
 from ..plotting import ERROR
@@ -223,7 +223,7 @@ class LivePanel(Panel):
         advice = self._live.advice
         self.place.style.text_color = ERROR if advice or not now.found else None
         lies = f"{now.overlap:.0%} of the scan lies on the map"
-        before = f"; {counted(self.lost, 'scan')} lost on this map" if self.lost else ""
+        before = f"; {plural(self.lost, 'scan')} lost on this map" if self.lost else ""
         self.place.value = f"{advice or ('found' if now.found else 'LOST')}: {lies}{before}"
 
     def _tell(self, segments: int) -> None:

@@ -13,7 +13,7 @@ import traitlets
 from matplotlib.figure import Figure
 
 from .. import arrays
-from ..display import counted
+from ..display import plural
 from ..plan import FloorPlan, shapely_or_hint
 from ..plan.edits import Edit, read
 from ..plotting import draw_plan, figure_png
@@ -70,7 +70,7 @@ class PlanEditor(anywidget.AnyWidget):
         return bundle | {"image/png": figure_png(figure), "text/plain": repr(self)}, metadata
 
     def __repr__(self) -> str:
-        return f"PlanEditor({_said(self.plan)}; {counted(len(self.edits), 'edit')})"
+        return f"PlanEditor({_said(self.plan)}; {plural(len(self.edits), 'edit')})"
 
     def do(self, edit: Edit) -> None:
         """Add an edit; one that finds nothing to change is said, and not kept."""
@@ -138,7 +138,7 @@ class PlanEditor(anywidget.AnyWidget):
 
 def _said(plan: FloorPlan) -> str:
     """Rooms, their area, doors, and what is in doubt."""
-    rooms, doors = counted(len(plan.rooms), "room"), counted(len(plan.doors), "door")
+    rooms, doors = plural(len(plan.rooms), "room"), plural(len(plan.doors), "door")
     area = sum(room.area for room in plan.rooms)
     count = f"{rooms} of {area:.1f} m\N{SUPERSCRIPT TWO}, {doors}"
     return "; ".join(filter(None, [count, plan.doubt]))

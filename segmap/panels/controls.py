@@ -74,7 +74,7 @@ def control(
     else:
         field = _entry(rule, first, f"{label} [{unit}]" if unit else label)
     if field is not None:
-        field.meant = partial(_meant, field, rule, first)
+        field.meant = partial(_value_in, field, rule, first)
         field.tooltip = f"{name}: {described(function).get(name, '')}".replace("`", "").rstrip(": ")
     return field
 
@@ -101,7 +101,7 @@ def _as_read(rule: Declared, value: float) -> float:
     return float(f"{rule.read(value):.6g}")
 
 
-def _meant(field: Any, rule: Declared, first: Any) -> Any:
+def _value_in(field: Any, rule: Declared, first: Any) -> Any:
     """What a control says, in the unit of the function; what was not touched is exact."""
     read = field.value
     if isinstance(field, W.Text):

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from ..alignment import Alignment, position_errors
 from ..arrays import Array
-from ..display import counted
+from ..display import plural
 from ..scans import Log
 from ._scans import draw_cloud, draw_log, draw_path
-from ._style import ERROR, RAW, RESULT, axes_grid, axes_or_new, legend_below, map_axes, titled
+from ._style import ERROR, RAW, RESULT, axes_grid, axes_or_new, legend_below, map_axes, not_empty
 
 
 def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) -> Axes:
@@ -58,7 +58,7 @@ def draw_aligned_path(alignment: Alignment, ax: Axes) -> Axes:
     draw_path(alignment.poses, ax=ax, color=RESULT, label=alignment.method or "aligned")
     rest = alignment.poses[~alignment.used]
     if len(rest):
-        named = counted(len(rest), "scan") + " not used"
+        named = plural(len(rest), "scan") + " not used"
         ax.plot(*rest[:, :2].T, "x", color=ERROR, markersize=5, label=named)
     return map_axes(ax)
 
@@ -83,7 +83,7 @@ def draw_alignments(
     (True, 'Truth')
     """
     arrays.instance(log, "log", Log)
-    by_title = titled(alignments, "alignments")
+    by_title = not_empty(alignments, "alignments")
     paths = {title: _one_pose_a_scan(each, title, log) for title, each in by_title.items()}
     row = axes_grid(list(paths), len(paths), size)
     for ax, (title, poses) in zip(row, paths.items(), strict=True):
@@ -120,7 +120,7 @@ def draw_position_errors(
     arrays.instance(log, "log", Log)
     if log.truth is None:
         raise ValueError(f"log must have truth, got {log!r}")
-    titled(alignments, "alignments")
+    not_empty(alignments, "alignments")
     ax, has_truth = axes_or_new(ax), np.isfinite(log.truth).all(1)
     for rest, (label, alignment) in enumerate(alignments.items(), 1 - len(alignments)):
         poses = _one_pose_a_scan(alignment, label, log)
@@ -141,5 +141,5 @@ def _one_pose_a_scan(found: ArrayLike | Alignment, title: str, log: Log) -> Arra
 def _chords(ax: Axes, lines: Array, words: str, color: str, style: str) -> None:
     if len(lines):
         chords = LineCollection(list(lines), colors=color, linewidths=0.7, linestyles=style)
-        chords.set_label(counted(len(lines), words))
+        chords.set_label(plural(len(lines), words))
         ax.add_collection(chords)

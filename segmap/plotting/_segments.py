@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..arrays import Array, Segments, checked
-from ..display import counted
+from ..display import plural
 from ..metrics import AgainstWalls
 from ._style import (
     ERROR,
@@ -28,8 +28,8 @@ from ._style import (
     group_colors,
     legend_below,
     map_axes,
+    not_empty,
     shade,
-    titled,
 )
 
 #: A result is drawn over what it was made of; a line's own place is 2.
@@ -111,7 +111,7 @@ def draw_before_after(before: Segments, after: Segments, *, ax: Axes | None = No
     ['after: 1 segment', 'before: 1 segment']
     """
     before, after = arrays.segments(before, "before"), arrays.segments(after, "after")
-    after_count, before_count = (counted(len(each), "segment") for each in (after, before))
+    after_count, before_count = (plural(len(each), "segment") for each in (after, before))
     ax = draw_segments(after, ax=ax, color=RESULT, width=1.8, label=f"after: {after_count}")
     ax.collections[-1].set_zorder(ABOVE)
     draw_segments(before, ax=ax, width=0.7, label=f"before: {before_count}")
@@ -203,7 +203,7 @@ def draw_maps(
     >>> [(ax.get_title(), len(ax.collections[0].get_segments())) for ax in axes]
     [('one', 1), ('two', 2)]
     """
-    drawn = titled(maps, "maps").items()
+    drawn = not_empty(maps, "maps").items()
     walls = {name: arrays.segments(map, f"maps[{name!r}]") for name, map in drawn}
     under = None if truth is None else arrays.segments(truth, "truth")
     columns = len(maps) if columns is None else arrays.whole(columns, "columns", most=100)

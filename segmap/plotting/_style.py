@@ -82,7 +82,7 @@ def shade(color: Any, name: str = "color") -> Any:
     return color
 
 
-def titled(things: Mapping[str, T], name: str) -> Mapping[str, T]:
+def not_empty(things: Mapping[str, T], name: str) -> Mapping[str, T]:
     """What is drawn side by side: one picture at least."""
     if not arrays.instance(things, name, Mapping):
         raise ValueError(f"{name} must hold one thing to draw at least, got none")

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..angles import wrap
-from ..arrays import Array, Seconds, at_least, at_most, checked, numbers, trailing, values
+from ..arrays import Array, Seconds, at_least, at_most, checked, numbers, values, with_axes
 from . import motions
 
 
@@ -24,7 +24,7 @@ def compose(a_from_b: ArrayLike, b_from_c: ArrayLike) -> Array:
     >>> compose((1, 2, np.pi / 2), (1, 0, 0)).round(6)
     array([1.      , 3.      , 1.570796])
     """
-    a, b = trailing(a_from_b, "a_from_b", 3), trailing(b_from_c, "b_from_c", 3)
+    a, b = with_axes(a_from_b, "a_from_b", 3), with_axes(b_from_c, "b_from_c", 3)
     return motions.compose(a, b)
 
 
@@ -36,7 +36,7 @@ def inverse(a_from_b: ArrayLike) -> Array:
     >>> inverse((1, 2, np.pi / 2)).round(6)
     array([-2.      ,  1.      , -1.570796])
     """
-    return motions.inverse(trailing(a_from_b, "a_from_b", 3))
+    return motions.inverse(with_axes(a_from_b, "a_from_b", 3))
 
 
 def between(a: ArrayLike, b: ArrayLike) -> Array:
@@ -47,7 +47,7 @@ def between(a: ArrayLike, b: ArrayLike) -> Array:
     >>> between((1, 2, np.pi / 2), (1, 3, np.pi / 2)).round(6)
     array([1., 0., 0.])
     """
-    return motions.between(trailing(a, "a", 3), trailing(b, "b", 3))
+    return motions.between(with_axes(a, "a", 3), with_axes(b, "b", 3))
 
 
 def transform(a_from_b: ArrayLike, points: ArrayLike) -> Array:
@@ -62,7 +62,7 @@ def transform(a_from_b: ArrayLike, points: ArrayLike) -> Array:
     array([[1., 3.],
            [0., 2.]])
     """
-    return motions.transform(trailing(a_from_b, "a_from_b", 3), trailing(points, "points", 2))
+    return motions.transform(with_axes(a_from_b, "a_from_b", 3), with_axes(points, "points", 2))
 
 
 @checked
@@ -95,7 +95,7 @@ def interpolate(
     array([[ 0.5     ,  0.      , -3.141593],
            [      nan,       nan,       nan]])
     """
-    t, p, at = numbers(times, "times"), trailing(poses, "poses", 3), values(at, "at")
+    t, p, at = numbers(times, "times"), with_axes(poses, "poses", 3), values(at, "at")
     if t.ndim != 1 or p.shape != (len(t), 3):
         raise ValueError(f"poses must be ({t.size}, 3), one for each time, got {p.shape}")
     if not len(t) or not np.isfinite(t).all() or np.any(np.diff(t) < 0):

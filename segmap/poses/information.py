@@ -35,12 +35,12 @@ def checked_information(value: object, count: int) -> Array:
     return weight
 
 
-def rotated(information: Array, angle: Array) -> Array:
+def rotate(information: Array, angle: Array) -> Array:
     """Information `(m, 3, 3)` of motions as seen from frames that are turned by angles `(m,)`.
 
     Examples
     --------
-    >>> rotated(np.diag([1.0, 4.0, 9.0])[None], np.array([np.pi / 2])).round(9)[0] + 0.0
+    >>> rotate(np.diag([1.0, 4.0, 9.0])[None], np.array([np.pi / 2])).round(9)[0] + 0.0
     array([[4., 0., 0.],
            [0., 1., 0.],
            [0., 0., 9.]])

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from ..arrays import LIMIT, Array, Count, Quantity, at_most, checked
 from ..display import Pictured
-from ..files import read_npz, shown, write_npz
+from ..files import escape, read_npz, write_npz
 from ..threads import Locked, locked
 from . import _kernels as kernels
 from ._tree import COORDINATES_UNIT, SMALLEST_CELL_M, Leaves, Tree, level_of, point_pairs
@@ -280,7 +280,7 @@ class QuadtreeMap(Pictured, Locked):
         """
         stored = read_npz(arrays.file(path), FORMAT)
         if set(stored) != set(STORED):
-            raise ValueError(f"{shown(path)}: damaged, it holds {sorted(stored)}")
+            raise ValueError(f"{escape(path)}: damaged, it holds {sorted(stored)}")
         state, lengths, vis, occ = (stored[name] for name in STORED)
         resolution, x, y, free = lengths.tolist()
         block, level, largest, *corner, bias, scans = state.tolist()

@@ -19,7 +19,7 @@ KILLIAN = "killian"
 
 
 @contextmanager
-def bundled(name: str) -> Iterator[Path]:
+def open_bundled(name: str) -> Iterator[Path]:
     """The file of a bundled log: `data/<name>/<name>.log.gz`."""
     if name == KILLIAN:
         other = find_spec("rtbdata")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..display import counted
+from ..display import plural
 from ..scans.causes import Cause, Finding
 
 #: A step back by less than so many usual steps is a message that came late, and no clock.
@@ -28,7 +28,7 @@ def on_one_clock(
     Where both are set back at one place they have one clock, and are shifted alike; else each goes
     on by itself.
     """
-    usual = [_usual(scans), _usual(poses)]
+    usual = [_step_s(scans), _step_s(poses)]
     back = [np.r_[False, np.diff(t) < -LATE_STEPS * max(usual)][: len(t)] for t in (scans, poses)]
     if not any(b.any() for b in back) or any(b.sum() > SHUFFLED_ROWS_SHARE * len(b) for b in back):
         return scans, poses, []
@@ -56,7 +56,7 @@ def stands(times: Array) -> bool:
     return len(times) > 1 and bool(np.ptp(times) == 0)
 
 
-def _usual(times: Array) -> float:
+def _step_s(times: Array) -> float:
     """The usual step from time to time, seconds; 0 where there is none."""
     steps = np.diff(times)
     return float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
@@ -79,6 +79,6 @@ def _clock_findings(
     first = int(np.argmax(back[which]))
     value, scan = float(steps[which][first - 1]), first if which == 0 else int(after[first])
     whose = ("clock", "clock of the odometry")[which]
-    times = counted(int(back[which].sum()), "time")
+    times = plural(int(back[which].sum()), "time")
     words = f"the {whose} is set back {times}, first by {-value:.4g} s at scan {scan}"
     return [Finding(Cause.CLOCK, value, f"{words}: the order in the file counts")]

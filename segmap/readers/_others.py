@@ -75,7 +75,7 @@ def other_file(path: Path) -> str:
         front = file.read(20)
     words = next((words for begin, words in OTHER_FILES.items() if front.startswith(begin)), "")
     opened = [each for begin, each in OPENED_FILES.items() if front.startswith(begin)]
-    return _opened(*opened[0], path.name) if opened else f"is a file {words}" if words else ""
+    return _opening(*opened[0], path.name) if opened else f"is a file {words}" if words else ""
 
 
 def other_text(name: str, lines: Sequence[str]) -> str:
@@ -83,10 +83,10 @@ def other_text(name: str, lines: Sequence[str]) -> str:
     text, first = "\n".join(lines), lines[0].strip()
     for mark, (what, code) in OTHER_TEXTS.items():
         if re.search(mark, text):
-            return _opened(what, code, name)
+            return _opening(what, code, name)
     if re.match(r'[\[{]\s*($|["\d\[{-])', first):
         is_lines = len(lines) > 1 and first.endswith(("}", "]"))
-        return _opened("JSON", JSON_LINES if is_lines else JSON_WHOLE, name)
+        return _opening("JSON", JSON_LINES if is_lines else JSON_WHOLE, name)
     return ""
 
 
@@ -94,9 +94,9 @@ def words_with_numbers(name: str, lines: Sequence[str]) -> str:
     """What opens lines that are alike but for several numbers between words; empty of others."""
     form, count = Counter(NUMBER.sub("0", line) for line in lines).most_common(1)[0]
     is_form = form.count("0") > 1 and re.search("[A-Za-z]", form) and 2 * count > len(lines)
-    return _opened(*NUMBERS_BETWEEN_WORDS, name) if is_form else ""
+    return _opening(*NUMBERS_BETWEEN_WORDS, name) if is_form else ""
 
 
-def _opened(what: str, code: str, name: str) -> str:
+def _opening(what: str, code: str, name: str) -> str:
     indented = code.replace("{name!r}", repr(name)).replace("\n", "\n    ")
     return f"is of no known format: it is {what}, which these lines open:\n    {indented}"

@@ -11,7 +11,7 @@ from .. import arrays
 from ..arrays import brief, checked
 from ..progress import Progress
 from ..scans import Log
-from ._bundled import bundled
+from ._bundled import open_bundled
 from ._formats import in_parts, recognise
 from .lines import OnError, stem
 from .packed import log_file
@@ -131,5 +131,5 @@ def load(name: str) -> Log:
     >>> load("malaga")
     Log('malaga', 225 scans, odometry, truth for 99)
     """
-    with bundled(name) as path:
+    with open_bundled(name) as path:
         return read(path)

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import LIMIT, Array
-from ..files import shown
+from ..files import escape
 from ..segments import SegmentMap
 from .lines import Lines, LogError, float_fields
 from .packed import log_file
@@ -53,7 +53,7 @@ def read_segments(path: str | Path) -> SegmentMap:
         try:
             return SegmentMap.load(place)
         except ValueError as fault:
-            raise LogError(place, str(fault).removeprefix(f"{shown(place)}: ")) from None
+            raise LogError(place, str(fault).removeprefix(f"{escape(place)}: ")) from None
 
 
 def _table(path: Path) -> SegmentMap:

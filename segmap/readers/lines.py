@@ -10,7 +10,7 @@ from typing import Literal, TypeVar
 import numpy as np
 
 from ..arrays import LIMIT, Array
-from ..files import shown
+from ..files import escape
 from ..progress import announce
 from ..scans import NOTHING_SKIPPED, Skipped
 
@@ -51,9 +51,9 @@ class LogError(ValueError):
     """
 
     def __init__(self, path: Path, reason: str, line: int | None = None) -> None:
-        place = f"{shown(path)}, line {line}" if line else shown(path)
+        place = f"{escape(path)}, line {line}" if line else escape(path)
         lines = reason.split("\n") if isinstance(self, UnknownFormat | HeadError) else [reason]
-        message = "\n".join(map(shown, lines))  # what to do takes several
+        message = "\n".join(map(escape, lines))  # what to do takes several
         super().__init__(f"{place}: {message}")
         self.path, self.line, self.reason = path, line, reason
 
@@ -76,7 +76,7 @@ class Reading:
         self.path, self.on_error, self.skipped = path, on_error, NOTHING_SKIPPED
         self.first: LogError | None = None
 
-    def damaged(self, fault: LogError) -> None:
+    def leave_out(self, fault: LogError) -> None:
         """End the reading, or leave out what is damaged, and keep the reason of the first."""
         if self.on_error == "raise":
             raise fault
@@ -130,7 +130,7 @@ class Lines(Reading):
             else:
                 yield parsed
                 continue
-            self.damaged(error)
+            self.leave_out(error)
 
     def __iter__(self) -> Iterator[list[str]]:
         self.number = 0

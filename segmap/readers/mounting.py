@@ -17,7 +17,7 @@ class Tilted(ValueError):
     """A laser whose scans are no sections of a building that is level."""
 
 
-def flat(pose: Array) -> tuple[Array, bool]:
+def planar(pose: Array) -> tuple[Array, bool]:
     """A laser's pose in the plane of the robot, and whether the laser hangs upside down.
 
     `pose`, (4, 4) array, carries points of the laser into the robot's frame. The place, (3,) array,
@@ -27,7 +27,7 @@ def flat(pose: Array) -> tuple[Array, bool]:
     Examples
     --------
     >>> hanging = in_space((0.2, 0.0, 0.5), (0.0, 1.0, 0.0, 0.0))  # turned about x by half a turn
-    >>> flat(hanging)[1]
+    >>> planar(hanging)[1]
     True
     """
     place = level(pose)

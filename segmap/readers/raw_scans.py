@@ -118,7 +118,7 @@ def beams_of_message(message: Any, time: float = 0.0, odometry: Array | None = N
     return LaserScan(clean_ranges, angles, time, odometry, most, delays=delays)
 
 
-def centred(count: int, step: float) -> Array:
+def directions(count: int, step: float) -> Array:
     """Directions of beams `step` apart, as many left as right: (count,) array, radians."""
     return (np.arange(count, dtype=float) - (count - 1) / 2) * step
 
@@ -160,9 +160,9 @@ class Track:
             when = np.full(len(when), np.nan) if stands(when) else when
             return Synchronised(when, poses, [Finding(Cause.CLOCK, 0.0, words)])
         when, noted, causes = on_one_clock(when, noted, after)
-        return Synchronised(when, interpolate(*self.ordered(noted), when), causes)
+        return Synchronised(when, interpolate(*self.in_order(noted), when), causes)
 
-    def ordered(self, times: Array | None = None) -> tuple[Array, Array]:
+    def in_order(self, times: Array | None = None) -> tuple[Array, Array]:
         """Times `(k,)`, ascending, the own ones or others, and poses `(k, 3)`."""
         noted = np.array(self.times) if times is None else times
         order = np.argsort(noted, kind="stable")

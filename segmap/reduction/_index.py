@@ -73,7 +73,7 @@ def _address(column: int, row: int, level: int) -> int:
 
 
 @compiled
-def _around(points: Array, reach: float) -> tuple[float, float, float, float]:
+def _box(points: Array, reach: float) -> tuple[float, float, float, float]:
     """Low x, low y, high x and high y of the box around points, `(k, 2)`, grown by a reach."""
     x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
     for k in range(len(points)):
@@ -86,7 +86,7 @@ def _around(points: Array, reach: float) -> tuple[float, float, float, float]:
 def enter(index: Index, b: int, points: Array, reach: float) -> None:
     """Put the box around points, `(k, 2)`, grown by a reach, into the index as number b."""
     box, link, head, levels = index.box, index.link, index.head, index.levels
-    x0, y0, x1, y1 = _around(points, reach)
+    x0, y0, x1, y1 = _box(points, reach)
     box[b, 0], box[b, 1], box[b, 2], box[b, 3] = x0, y0, x1, y1
     size = max(x1 - x0, y1 - y0)
     level, side = 0, index.unit
@@ -135,7 +135,7 @@ def meeting(index: Index, points: Array, reach: float, out: Indices) -> int:
     than there are boxes.
     """
     box, link, head, levels, count = index.box, index.link, index.head, index.levels, 0
-    x0, y0, x1, y1 = _around(points, reach + 1e-9 + 1e-15 * (abs(points[0, 0]) + abs(points[0, 1])))
+    x0, y0, x1, y1 = _box(points, reach + 1e-9 + 1e-15 * (abs(points[0, 0]) + abs(points[0, 1])))
     side, level, unvisited = index.unit, 0, levels[-1, 0]
     while unvisited > 0:
         if levels[level, 0] > 0:

@@ -90,12 +90,12 @@ class LaserScan(Pictured):
         unit_checks.check_angles(self.angles, "angles")
         keep(self, "time", _checked_number(time, "time"))
         pose = None if odometry is None else arrays.pose(odometry, "odometry", missing=True)
-        keep(self, "odometry", None if pose is None else _frozen(pose))
+        keep(self, "odometry", None if pose is None else _freeze(pose))
         keep(self, "max_range", _checked_number(max_range, "max_range"))
         if np.isnan(self.max_range):
             raise ValueError("max_range must be a number, in metres, got nan")
         unit_checks.check_ranges(self.ranges, self.max_range)
-        keep(self, "sensor_pose", _frozen(arrays.pose(sensor_pose, "sensor_pose")))
+        keep(self, "sensor_pose", _freeze(arrays.pose(sensor_pose, "sensor_pose")))
         unit_checks.check_angles(self.sensor_pose[2], "sensor_pose[2]")
         for name, values, kind in (("codes", codes, int), ("delays", delays, float)):
             known = None if values is None else _frozen_row(values, name, len(self.ranges), kind)
@@ -199,14 +199,14 @@ class Log(Pictured, Sequence[LaserScan]):
     ) -> None:
         keep = object.__setattr__
         keep(self, "name", name)
-        keep(self, "scans", _all(scans, "scans", LaserScan))
+        keep(self, "scans", _all_of(scans, "scans", LaserScan))
         count = len(self.scans)
         rows = None if truth is None else arrays.poses(truth, "truth", count=count, missing=True)
-        keep(self, "truth", None if rows is None else _frozen(rows))
+        keep(self, "truth", None if rows is None else _freeze(rows))
         keep(self, "skipped", skipped)
         keep(self, "order_known", arrays.switch(order_known, "order_known"))
-        keep(self, "causes", _all(causes, "causes", Finding))
-        keep(self, "assumed", tuple(dict.fromkeys(_all(assumed, "assumed", str))))
+        keep(self, "causes", _all_of(causes, "causes", Finding))
+        keep(self, "assumed", tuple(dict.fromkeys(_all_of(assumed, "assumed", str))))
 
     @property
     def doubt(self) -> str:
@@ -239,7 +239,7 @@ class Log(Pictured, Sequence[LaserScan]):
         truth = None if self.truth is None else self.truth[chosen]
         part = copy(self)  # the units of the whole are checked, a part may be thin
         object.__setattr__(part, "scans", tuple(self.scans[k] for k in chosen))
-        object.__setattr__(part, "truth", None if truth is None else _frozen(truth))
+        object.__setattr__(part, "truth", None if truth is None else _freeze(truth))
         return part
 
     def __iter__(self) -> Iterator[LaserScan]:
@@ -259,7 +259,7 @@ def _share_text(count: int, of: int, what: str) -> str:
     return what if count == of else f"{what} for {count}"
 
 
-def _all(values: Iterable[T], name: str, kind: type[T]) -> tuple[T, ...]:
+def _all_of(values: Iterable[T], name: str, kind: type[T]) -> tuple[T, ...]:
     """Values that are all of one kind."""
     if not arrays.is_iterable(values) or isinstance(values, str):
         raise ValueError(f"{name} must be a list of {kind.__name__}, got {type(values).__name__}")
@@ -277,7 +277,7 @@ def _frozen_row(values: ArrayLike, name: str, count: int | None = None, dtype: t
     if array.ndim != 1 or count not in (None, len(array)):
         wanted = "(n,)" if count is None else f"({count},)"
         raise ValueError(f"{name} must have shape {wanted}, got {array.shape}")
-    return _frozen(array, dtype)
+    return _freeze(array, dtype)
 
 
 def _checked_number(value: object, name: str) -> float:
@@ -287,7 +287,7 @@ def _checked_number(value: object, name: str) -> float:
     return float(array)
 
 
-def _frozen(values: NDArray[Any], dtype: type = float) -> Any:
+def _freeze(values: NDArray[Any], dtype: type = float) -> Any:
     array: NDArray[Any] = np.array(values, dtype)
     array.flags.writeable = False
     return array

@@ -66,7 +66,7 @@ def motion_compensated(scan: LaserScan, motions: Array) -> LaserScan:
     return replace(scan, ranges=corrected, angles=turned, max_range=limit, delays=None)
 
 
-def standing(scans: Sequence[LaserScan], poses: Array) -> NDArray[np.bool_]:
+def repeats_place(scans: Sequence[LaserScan], poses: Array) -> NDArray[np.bool_]:
     """Scans, `(k,)`, that add nothing, since the robot stands where it was at an earlier one.
 
     They are those behind the first 20 of a stay, and equal ones. Poses `(k, 3)`, metres and
@@ -100,9 +100,9 @@ def _measure_the_same(a: LaserScan, b: LaserScan) -> bool:
     return bool(both.any() and np.median(np.abs(a.ranges[both] - b.ranges[both])) < SAME_BEAM_M)
 
 
-def stood(scans: Sequence[LaserScan], poses: Array) -> list[Finding]:
+def rests(scans: Sequence[LaserScan], poses: Array) -> list[Finding]:
     """At how many scans of a log the robot stands, poses `(k, 3)`, and what becomes of them."""
-    count = int(standing(scans, poses).sum())
+    count = int(repeats_place(scans, poses).sum())
     words = f"at {count} of {len(poses)} scans the robot stands, and they add nothing: not drawn"
     return [Finding(Cause.STANDS, count, words)] if count >= MOST_LOOKS_FROM_ONE_PLACE else []
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..display import counted
+from ..display import plural
 from ..poses.motions import between
 from . import LaserScan
 from .causes import Cause, Finding
@@ -179,7 +179,7 @@ def delay_of(odometry: Array, steps: Steps, most: int = 150) -> tuple[float, flo
         return 0.0, 1.0
     most = min(most, len(odometry) // 3)
     shifts = np.unique(np.r_[np.arange(-10, 10.5, 0.5), np.arange(-most, most + 1)])
-    first, second = (shifted(odometry, scans + shifts[:, None]) for scans in steps[:2])
+    first, second = (interpolate(odometry, scans + shifts[:, None]) for scans in steps[:2])
     wheels = between(first, second)
     covered = np.isfinite(wheels).all(-1)
     turns, ways = np.abs(wheels[..., 2]), np.hypot(wheels[..., 0], wheels[..., 1])
@@ -193,7 +193,7 @@ def delay_of(odometry: Array, steps: Steps, most: int = 150) -> tuple[float, flo
     return float(shifts[best]), float(costs[best] / now) if now > 0 else 1.0
 
 
-def shifted(odometry: Array, scans: NDArray[Any]) -> Array:
+def interpolate(odometry: Array, scans: NDArray[Any]) -> Array:
     """Odometry `(k, 3)` at scans and between them, `(..., 3)`; NaN beyond its ends."""
     columns = [odometry[:, 0], odometry[:, 1], np.unwrap(odometry[:, 2])]
     own = np.arange(len(odometry))
@@ -247,7 +247,7 @@ def contradictions(
             causes.append(Finding(cause, value, words, remedy, doubtful=True))
 
     if len(jumps):
-        words = f"the odometry jumps {counted(len(jumps), 'time')}, first at scan {jumps[0]}"
+        words = f"the odometry jumps {plural(len(jumps), 'time')}, first at scan {jumps[0]}"
         tell(Cause.JUMP, len(jumps), words)
     if against.turn < -RIGHT_TURN_RATIOS[0]:
         words = (

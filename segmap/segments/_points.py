@@ -41,7 +41,7 @@ def cut_evenly(segments: Array, counts: NDArray[np.int64]) -> tuple[Array, NDArr
     return np.stack([begin + nth * step, begin + (nth + 1) * step], 1), owner
 
 
-def behind(
+def copy_points(
     points: ArrayLike | None, first: ArrayLike | None, count: int
 ) -> tuple[Array | None, NDArray[np.int64] | None]:
     """Copies of the points behind `count` segments, metres, and where those of each begin."""
@@ -71,7 +71,7 @@ def checked_places(sensors: ArrayLike, scan: NDArray[np.int64]) -> Array:
     return places
 
 
-def clipped(segments: Array, low: Array, high: Array) -> tuple[Array, NDArray[np.bool_]]:
+def clip(segments: Array, low: Array, high: Array) -> tuple[Array, NDArray[np.bool_]]:
     """What of segments `(n, 2, 2)` lies in a rectangle, metres, and which have something in it.
 
     Liang and Barsky 1984: a segment enters where it is inside the last of four borders.

@@ -16,8 +16,8 @@ from .. import arrays
 from ..angles import axial_mean
 from ..arrays import Array, Segments
 from ..display import Pictured
-from ..files import read_npz, shown, write_npz
-from ._points import behind, checked_places, clipped, cut_evenly, take_points
+from ..files import escape, read_npz, write_npz
+from ._points import checked_places, clip, copy_points, cut_evenly, take_points
 
 __all__ = [
     "MIN_LENGTH", "SegmentMap", "angle", "cut_evenly", "extreme_projections", "length",
@@ -63,7 +63,7 @@ def midpoint(segments: ArrayLike) -> Array:
     >>> midpoint([[(0, 0), (3, 4)]])
     array([[1.5, 2. ]])
     """
-    return arrays.trailing(segments, "segments", 2, 2).mean(axis=-2)
+    return arrays.with_axes(segments, "segments", 2, 2).mean(axis=-2)
 
 
 def main_direction(segments: Segments) -> float:
@@ -116,7 +116,7 @@ def point_distance(points: ArrayLike, segments: ArrayLike) -> Array:
     >>> point_distance([(1, 2), (5, 0)], [(0, 0), (2, 0)])
     array([2., 3.])
     """
-    p, s = arrays.trailing(points, "points", 2), arrays.trailing(segments, "segments", 2, 2)
+    p, s = arrays.with_axes(points, "points", 2), arrays.with_axes(segments, "segments", 2, 2)
     x, y = p[..., 0] - s[..., 0, 0], p[..., 1] - s[..., 0, 1]
     dx, dy = s[..., 1, 0] - s[..., 0, 0], s[..., 1, 1] - s[..., 0, 1]
     square = dx * dx + dy * dy
@@ -171,7 +171,7 @@ SegmentMap(1 segment of 1 scan))
                 f"scan must have shape ({len(array)},), one index a segment, got {index.shape}"
             )
         places = None if sensors is None else checked_places(sensors, index)
-        values = (array, index, *behind(points, first, len(array)), places)
+        values = (array, index, *copy_points(points, first, len(array)), places)
         for field, value in zip(fields(self), values, strict=True):
             if value is not None:
                 value.flags.writeable = False
@@ -193,7 +193,7 @@ SegmentMap(1 segment of 1 scan))
         [[[1.0, 1.0], [4.0, 1.0]]]
         """
         corner, end = arrays.rectangle(left, low, right, high)
-        segments, inside = clipped(self.segments, corner, end)
+        segments, inside = clip(self.segments, corner, end)
         points, first = self.points, self.first
         if points is not None and first is not None:
             within = ((points >= corner) & (points <= end)).all(1)
@@ -245,11 +245,11 @@ SegmentMap(1 segment of 1 scan))
         """
         contents = read_npz(arrays.file(path), STORED)
         if not {"segments", "scan"} <= set(contents) <= {field.name for field in fields(cls)}:
-            raise ValueError(f"{shown(path)}: damaged, it holds {sorted(contents)}")
+            raise ValueError(f"{escape(path)}: damaged, it holds {sorted(contents)}")
         try:
             return cls(**contents)
         except ValueError as fault:
-            raise ValueError(f"{shown(path)}: damaged, {fault}") from None
+            raise ValueError(f"{escape(path)}: damaged, {fault}") from None
 
     def __len__(self) -> int:
         return len(self.segments)
@@ -261,5 +261,5 @@ SegmentMap(1 segment of 1 scan))
 
 
 def _vector(segments: ArrayLike) -> Array:
-    s = arrays.trailing(segments, "segments", 2, 2)
+    s = arrays.with_axes(segments, "segments", 2, 2)
     return s[..., 1, :] - s[..., 0, :]

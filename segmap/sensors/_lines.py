@@ -64,7 +64,7 @@ class Lines:
         try:
             self.port.write(text)
         except PULLED_OUT_ERRORS as error:
-            raise _gone(error) from error
+            raise _gone_error(error) from error
 
     def line(self, seconds: float) -> bytes | None:
         """The next line without its end, None where none comes in this time.
@@ -141,8 +141,8 @@ class Lines:
         try:
             return self.port.read(min(max(self.port.in_waiting, 1), 1 << 16))
         except PULLED_OUT_ERRORS as error:
-            raise _gone(error) from error
+            raise _gone_error(error) from error
 
 
-def _gone(error: BaseException) -> SensorGone:
+def _gone_error(error: BaseException) -> SensorGone:
     return SensorGone(f"the sensor is gone ({error}): plug it in and open it again")

@@ -107,7 +107,7 @@ def checksum(text: bytes) -> bytes:
     return bytes([(sum(arrays.instance(text, "text", bytes)) & 63) + ZERO])
 
 
-def unchecked(line: bytes) -> bytes:
+def strip_sum(line: bytes) -> bytes:
     """A line without its last character, which must be its check sum."""
     if len(line) < 2 or checksum(line[:-1]) != line[-1:]:
         raise SensorError(f"the check sum of the line {line[:40]!r} is wrong: bytes were lost")
@@ -198,7 +198,7 @@ def parse_reply(lines: Sequence[bytes]) -> Reply:
     """
     if len(lines) < 2:
         raise SensorError(f"a reply of {len(lines)} lines: expected an echo and a status")
-    status = unchecked(lines[1]).decode("ascii", "replace")
+    status = strip_sum(lines[1]).decode("ascii", "replace")
     if not _STATUS.fullmatch(status):
         raise SensorError(f"{lines[1][:20]!r} is no status: expected two characters and a sum")
     return Reply(lines[0].decode("ascii", "replace"), status, tuple(lines[2:]))
@@ -287,10 +287,10 @@ def parse_scan(body: Sequence[bytes], characters: int) -> Measurement:
         raise ValueError("body must be lines of bytes, one after the other")
     if not lines:
         raise SensorError("a scan without a time stamp")
-    clock = decode(unchecked(lines[0]), 4)
+    clock = decode(strip_sum(lines[0]), 4)
     if len(clock) != 1:
         raise SensorError(f"{lines[0][:20]!r} is no time stamp: expected four characters and a sum")
-    data = [unchecked(line) for line in lines[1:]]
+    data = [strip_sum(line) for line in lines[1:]]
     if (
         any(len(block) != BLOCK_CHARACTERS for block in data[:-1])
         or len(b"".join(data[-1:])) > BLOCK_CHARACTERS

@@ -139,12 +139,12 @@ class UrgSensor:
         request = ScanRequest(self.geometry.first, self.geometry.last, count)
         try:
             while True:
-                yield self._whole(request)
+                yield self._next_scan(request)
         finally:
             with contextlib.suppress(SensorError):
                 self.stop()
 
-    def _whole(self, request: ScanRequest) -> LaserScan:
+    def _next_scan(self, request: ScanRequest) -> LaserScan:
         """The next whole scan; damaged ones are counted, and asked for anew."""
         for _ in range(MOST_FAILURES):
             if not self._leave.alive:

@@ -9,7 +9,7 @@ import numpy as np
 from .. import arrays
 from ..arrays import Array, at_least, checked
 from ..poses import transform
-from ._rooms import Length, box, pose_at_start, recessed, rectangular_room
+from ._rooms import Length, box, pose_at_start, recess, rectangular_room
 
 #: One door, niche or pilaster stands in so many metres of a facade.
 PITCH = 4.0
@@ -80,7 +80,7 @@ def _facade(wall: Array, rng: np.random.Generator) -> Array:
     middle = cell * np.arange(count) + rng.uniform(half + 0.3, cell - half - 0.3)
     depth = rng.uniform(*FEATURE_DEPTHS_M, count)
     along = np.stack([middle - half, middle - half, middle + half, middle + half], -1).ravel()
-    return recessed(wall, along, np.stack([0 * depth, depth, depth, 0 * depth], -1).ravel())
+    return recess(wall, along, np.stack([0 * depth, depth, depth, 0 * depth], -1).ravel())
 
 
 def _pillar(wall: Array, rng: np.random.Generator) -> Array:

@@ -159,10 +159,10 @@ def _niches(wall: Array, *, first: float, depth: float = 0.2) -> Array:
     middles = reach * np.sort((first + np.arange(1, count + 1) * 0.618034) % 1)
     middles = np.clip(middles, DOOR, reach - DOOR)
     along = (middles[:, None] + np.array([-1, -1, 1, 1]) * DOOR / 2).ravel()
-    return recessed(wall, along, np.tile([0.0, depth, depth, 0.0], count))
+    return recess(wall, along, np.tile([0.0, depth, depth, 0.0], count))
 
 
-def recessed(wall: Array, along: Array, right: Array) -> Array:
+def recess(wall: Array, along: Array, right: Array) -> Array:
     """Walls in the place of one: from its start by places along it, and to its right, metres."""
     reach = float(np.hypot(*(wall[1] - wall[0])))
     line = np.stack([np.r_[0, along, reach], -np.r_[0, right, 0]], -1)

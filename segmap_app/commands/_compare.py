@@ -11,8 +11,8 @@ import numpy as np
 
 from segmap import extraction, warm
 from segmap.arrays import Declared, Quantity
-from segmap.display import counted
-from segmap.methods import bracket, halved
+from segmap.display import plural
+from segmap.methods import bracket, halve
 from segmap.reduction import METHODS
 from segmap.scans import Log
 from segmap.segments import SegmentMap
@@ -84,11 +84,11 @@ def compare_methods(given: CompareOptions, log: Log, paths: list[Path], report: 
     if len(map) < len(whole):
         used, every = (len(np.unique(m.scan)) for m in (map, whole))
         part = f"; compared on {len(map)} of them, from {used} of {every} scans (--all takes all)"
-    report.line("extracted", f"{counted(len(whole), 'segment')}{part}", segments=len(whole))
+    report.line("extracted", f"{plural(len(whole), 'segment')}{part}", segments=len(whole))
     quality = given.quality / 100
     runs = runs_of_all(log.name, map, quality)
     taken = float(runs["seconds"].sum())
-    report.line("compared", f"{counted(len(runs), 'run')}, {seconds(taken)}", seconds=taken)
+    report.line("compared", f"{plural(len(runs), 'run')}, {seconds(taken)}", seconds=taken)
     print_table(runs, quality, report)
 
     def write(path: Path) -> None:
@@ -142,7 +142,7 @@ def runs_near(map: dict[str, SegmentMap], method: str, quality: float) -> pd.Dat
             MOST_DOUBLINGS,
         )
         for _ in range(RUNS_BETWEEN if ends else 0):
-            ends = halved(good, ends)
+            ends = halve(good, ends)
     return pd.concat(runs)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from segmap import exports
 from segmap.alignment import METHODS, Alignment
-from segmap.display import counted
+from segmap.display import plural
 from segmap.scans import Log
 
 from ..pipeline import Pipeline
@@ -80,12 +80,12 @@ def _write_log(path: Path, log: Log, poses: Alignment | None) -> str:
         if not np.isfinite(rows).all(1).any():
             raise ValueError("the log has no poses to write: --align pose_graph finds them")
         exports.write_tum(path, log, rows)
-        return f"{path}: {counted(int(np.isfinite(rows).all(1).sum()), 'pose')} by {kind}"
+        return f"{path}: {plural(int(np.isfinite(rows).all(1).sum()), 'pose')} by {kind}"
     if path.suffix == ".g2o" and poses is not None:
         exports.write_graph(path, poses)
         assert poses.graph is not None  # it refuses an alignment without
         edges = poses.graph.edges
-        words = f"{path}: {counted(len(log), 'pose')}, {counted(len(edges), 'edge')}"
+        words = f"{path}: {plural(len(log), 'pose')}, {plural(len(edges), 'edge')}"
         loose = len(log) - len(np.unique(edges))
         return f"{words}; {loose} without an edge: only key scans have some" if loose else words
     corrected = log.truth if poses is None else poses.poses
@@ -94,4 +94,4 @@ def _write_log(path: Path, log: Log, poses: Alignment | None) -> str:
     else:
         exports.write_carmen(path, log, poses)
     placed = 0 if corrected is None else int(np.isfinite(corrected).all(1).sum())
-    return f"{path}: {counted(len(log), 'scan')}, {placed} with a corrected pose"
+    return f"{path}: {plural(len(log), 'scan')}, {placed} with a corrected pose"

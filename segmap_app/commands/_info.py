@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from segmap.display import counted, facts
+from segmap.display import facts, plural
 from segmap.readers import UnknownFormat, format_of
 from segmap.scans import Log, sensor_noise
 
@@ -52,5 +52,5 @@ def describe_log(given: LogOptions, log: Log, paths: list[Path], report: Report)
             options = getattr(session, word)
             text = ", ".join(f"{name} {value}" for name, value in options.items())
             report.line(word, text or "none", options=options)
-        report.line("runs", counted(len(session.runs), "run"), runs=len(session.runs))
+        report.line("runs", plural(len(session.runs), "run"), runs=len(session.runs))
     return 0

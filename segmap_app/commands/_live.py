@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 from typing import Annotated, NoReturn
 
-from segmap.files import shown
+from segmap.files import escape
 from segmap.progress import told
 from segmap.sensors import SensorError, ports, spinning_models
 
@@ -55,7 +55,7 @@ def live(
         return tell_what_there_is()
     path = log or new_path()
     if path.suffix.lower() != ".csv" or path.exists():
-        raise Usage(f"--log {shown(path)} must be a new file whose name ends in .csv")
+        raise Usage(f"--log {escape(path)} must be a new file whose name ends in .csv")
     stop_on_signals()
     begun = line = time.monotonic()
 
@@ -64,7 +64,7 @@ def live(
         nonlocal line
         if isinstance(words, Driving) and (share == 0 or time.monotonic() - line >= LINE_S):
             line = time.monotonic()
-            print(shown(words), flush=True)
+            print(escape(words), flush=True)
 
     with told(say):
         why = drive(model, port or "", path, False if counter_clockwise else None)
@@ -72,7 +72,7 @@ def live(
         print_error(why)
     if not path.exists():
         return 1
-    print(f"{shown(path)}: {time.monotonic() - begun:.0f} s")
+    print(f"{escape(path)}: {time.monotonic() - begun:.0f} s")
     from ._main import main
 
     outputs = [word for name in output for word in ("-o", name)]
@@ -102,7 +102,7 @@ def tell_what_there_is() -> int:
     try:
         lines = [f"{port.device}  {port.description}" for port in ports()]
         for line in lines or ["no serial port: is the laser plugged in?"]:
-            print(shown(line))
+            print(escape(line))
         print(f"models: {HOKUYO.lower()}, {', '.join(spinning_models())}")
     except SensorError as error:  # a package is missing
         print_error(reason(error))

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from segmap import alignment, quadtree, readers, warm
-from segmap.files import shown
+from segmap.files import escape
 from segmap.matching import Uncertainty, localize
 from segmap.progress import each
 from segmap.scans import Log
@@ -52,7 +52,7 @@ def locate(map: Path, /, *logs: Logs, given: LogOptions = LogOptions()) -> int:
 
 def map_of(path: Path) -> quadtree.QuadtreeMap | SegmentMap:
     """The map that is named, or an error of usage."""
-    name = shown(path)
+    name = escape(path)
     if path.suffix.lower() in PICTURES:
         raise Usage(f"{name} is a picture: name the .yaml that belongs to it")
     try:

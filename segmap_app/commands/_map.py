@@ -15,7 +15,7 @@ from cyclopts import Group, Parameter, Token
 
 from segmap import exports, extraction, metrics, reduction
 from segmap.arrays import Declared, Quantity, declared
-from segmap.display import counted
+from segmap.display import plural
 from segmap.files import write_bytes
 from segmap.plan.edits import FORMS, read
 from segmap.quadtree import without_passers
@@ -182,18 +182,18 @@ def write_map(
     if given.seen_through is not None:
         pairs = zip(outcome.log, outcome.log_without_passers, strict=True)
         gone = sum(int(a.valid.sum() - b.valid.sum()) for a, b in pairs)
-        words = f"{counted(gone, 'beam')} left out that others saw through"
+        words = f"{plural(gone, 'beam')} left out that others saw through"
         report.line("passers", words, beams=gone)
     count = len(outcome.extracted)
-    report.line("extracted", counted(count, "segment"), segments=count)
+    report.line("extracted", plural(count, "segment"), segments=count)
     if given.loops is not None:
         write_bytes(Path(given.loops), outcome.alignment.loops().to_csv().encode())
         report.line("loops", f"written to {given.loops}", file=given.loops)
     if given.world.crop is not None:
         count = len(outcome.cropped)
-        report.line("cropped", f"to {counted(count, 'segment')}", segments=count)
+        report.line("cropped", f"to {plural(count, 'segment')}", segments=count)
     if given.filter is not None:
-        words = f"{counted(len(outcome.map), 'segment')} of {given.filter:g} m or more"
+        words = f"{plural(len(outcome.map), 'segment')} of {given.filter:g} m or more"
         report.line("filtered", words, segments=len(outcome.map), least=given.filter)
     for each in outcome.reductions:
         tell_reduction(outcome, each, report)
@@ -217,7 +217,7 @@ def tell_reduction(outcome: Pipeline, reduction: Reduction, report: Report) -> N
     """Say what a reduction leaves, and how good it is."""
     method, rate = outcome.recipe.methods[0].name, metrics.reduction_rate(outcome.map, reduction)
     gone = f"{percent(rate)} gone ({metrics.grade_reduction(rate)})"
-    segments = counted(len(reduction), "segment")
+    segments = plural(len(reduction), "segment")
     report.line(
         "reduced",
         f"by {method}: {segments} left, {gone}, {seconds(reduction.seconds)}",
@@ -275,12 +275,12 @@ def plan_of_log(given: PlanOptions, log: Log, paths: list[Path], report: Report)
     verdict, edits = outcome.verdict, [read(text) for text in given.edit]
     plan = plan_of(outcome, edits)
     area = sum(room.area for room in plan.rooms)
-    rooms, doors = counted(len(plan.rooms), "room"), counted(len(plan.doors), "door")
+    rooms, doors = plural(len(plan.rooms), "room"), plural(len(plan.doors), "door")
     hidden = sum(room.hidden for room in plan.rooms)
     words = f"{rooms} of {area:.1f} m2, of which furniture hides {hidden:.1f}; {doors}"
     figures = {"rooms": len(plan.rooms), "area": area, "hidden": hidden, "doors": len(plan.doors)}
     report.line("planned", words, **figures)
-    words = f"{counted(len(plan.walls), 'wall')}, {counted(len(plan.clutter), 'piece')} of clutter"
+    words = f"{plural(len(plan.walls), 'wall')}, {plural(len(plan.clutter), 'piece')} of clutter"
     report.line("walls", words, walls=len(plan.walls), clutter=len(plan.clutter))
     if plan.doubt:
         report.line("doubt", plan.doubt, doubt_of_plan=plan.doubt)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from segmap import exports, extraction, quadtree, warm
 from segmap.arrays import declared
-from segmap.display import counted
+from segmap.display import plural
 from segmap.scans import Log
 
 from .. import files
@@ -60,7 +60,7 @@ def draw_tree_of_log(given: OccupancyOptions, log: Log, paths: list[Path], repor
     if given.world.crop is not None:
         map = cropped(map, given.world.crop)
         count = int((map.leaves().occ > 0).sum())
-        report.line("cropped", f"to {counted(count, 'square')}", squares=count)
+        report.line("cropped", f"to {plural(count, 'square')}", squares=count)
     x_min, y_min, x_max, y_max = quadtree.extent(map, margin=0)
     width, height = x_max - x_min, y_max - y_min
     size = f"{width:.1f} m by {height:.1f} m at {given.resolution:g} m"

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from segmap.files import shown
+from segmap.files import escape
 from segmap.progress import Compiling, time_left, told
 from segmap.readers import HeadError, LogError, UnknownFormat
 from segmap.scans import Log
@@ -115,13 +115,13 @@ def print_line(text: str = "") -> None:
     """Print one line; a bar that is shown moves below it."""
     from tqdm import tqdm
 
-    tqdm.write(shown(text), file=sys.stdout)
+    tqdm.write(escape(text), file=sys.stdout)
     sys.stdout.flush()
 
 
 def print_error(text: str) -> None:
     """Say beside the output what went wrong."""
-    lines = "\n".join(map(shown, text.split("\n")))
+    lines = "\n".join(map(escape, text.split("\n")))
     print(f"segmap: {lines}", file=sys.stderr)
 
 
@@ -132,7 +132,7 @@ def reason(error: BaseException) -> str:
     if isinstance(error, LogError) and error.line:
         return f"{error} (--skip leaves damaged lines out)"
     if isinstance(error, OSError) and error.strerror:
-        return f"{shown(error.filename)}: {error.strerror}" if error.filename else error.strerror
+        return f"{escape(error.filename)}: {error.strerror}" if error.filename else error.strerror
     if isinstance(error, MemoryError):
         return "there is not enough memory for this"
     return " ".join(str(error).split()) or type(error).__name__
@@ -147,7 +147,7 @@ def plain_warnings() -> Iterator[None]:
         from tqdm import tqdm  # it draws the bar anew below the line
 
         if issubclass(category, UserWarning):
-            tqdm.write(f"warning: {shown(message)}", file=sys.stderr)
+            tqdm.write(f"warning: {escape(message)}", file=sys.stderr)
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", UserWarning)
@@ -183,7 +183,7 @@ def progress_bars(*, quiet: bool = False) -> Iterator[None]:
             bar.reset()
         rest = "" if isinstance(words, Compiling) else time_left(time.time() - bar.start_t, share)
         bar.bar_format = f"{shape} {rest}"
-        bar.set_description_str(shown(words), refresh=False)
+        bar.set_description_str(escape(words), refresh=False)
         bar.update(share - bar.n)
 
     try:

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from segmap import warm
-from segmap.display import counted, pip_install
-from segmap.files import chapters_folder, existing, write_bytes
+from segmap.display import pip_install, plural
+from segmap.files import chapters_folder, stat_file, write_bytes
 from segmap.threads import cores
 
 from ._output import print_line, progress
@@ -54,7 +54,7 @@ def copy_chapters(folder: Path, /) -> None:
     if folder.resolve() != source.resolve():
         files = {name: PANEL.sub(b"", content) for name, content in files.items()}
         files[OWN_FUNCTIONS] = b'"""My functions: a check that passes adds the function below."""\n'
-    absent = [name for name in files if not existing(folder / name)]
+    absent = [name for name in files if not stat_file(folder / name)]
     for name in absent:
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         write_bytes(folder / name, files[name])
@@ -62,9 +62,9 @@ def copy_chapters(folder: Path, /) -> None:
     copied = [name for name in chapters if name in absent]
     _sign(files[name] for name in copied)
     changed = [n for n in chapters if _cells(files[n]) != _cells((folder / n).read_bytes())]
-    print_line(f"{counted(len(copied), 'chapter')} copied to {folder}")
+    print_line(f"{plural(len(copied), 'chapter')} copied to {folder}")
     if same := len(chapters) - len(copied) - len(changed):
-        print_line(f"{counted(same, 'chapter')} there already")
+        print_line(f"{plural(same, 'chapter')} there already")
     if changed:
         print_line(f"left as they are, since yours differ: {', '.join(changed)}")
         print_line("rename one of these, and run this again, to get the chapter as it is now")

@@ -29,7 +29,7 @@ from segmap import arrays
 from segmap.arrays import LIMIT, Array, Quantity, checked, file
 from segmap.display import pip_install
 from segmap.exports import ros_classes
-from segmap.files import replacing, shown
+from segmap.files import escape, rewrite
 from segmap.quadtree import FREE, OCCUPIED, UNKNOWN, QuadtreeMap, map_of_grid
 from segmap.readers import LogError, read_text
 
@@ -115,7 +115,7 @@ def read_ros_map(path: str | Path) -> QuadtreeMap:
         cells[~opaque] = UNKNOWN
         if lost := int(((cells == UNKNOWN) & opaque).sum()):
             words = f"{lost} cells have a shade between the thresholds, and become unknown"
-            warnings.warn(f"{shown(place)}: {words}", UserWarning, stacklevel=2)
+            warnings.warn(f"{escape(place)}: {words}", UserWarning, stacklevel=2)
     cells = np.flipud(cells.astype(np.int8))
     try:
         return map_of_grid(cells, resolution=side, corner=(x, y))
@@ -132,9 +132,9 @@ def _picture(path: Path, named: str) -> tuple[Array, NDArray[np.bool_]]:
     if not place.is_file():  # a whole path may be of the machine that made the map
         beside = path.parent / PureWindowsPath(named).name
         if not beside.is_file():
-            words = f"image is not there, neither {shown(place)} nor beside the YAML"
+            words = f"image is not there, neither {escape(place)} nor beside the YAML"
             raise LogError(path, words)
-        warnings.warn(f"{shown(place)} is not there: {beside.name} is", UserWarning, stacklevel=3)
+        warnings.warn(f"{escape(place)} is not there: {beside.name} is", UserWarning, stacklevel=3)
         place = beside
     try:
         with Image.open(place, formats=KINDS) as image:
@@ -147,7 +147,7 @@ def _picture(path: Path, named: str) -> tuple[Array, NDArray[np.bool_]]:
             kind = "RGBA" if clear else "L" if image.mode in ("1", "L") else "RGB"
             layers = np.asarray(image.convert(kind)).reshape(rows, columns, -1)
     except Exception as error:  # Pillow raises a dozen for damage
-        raise LogError(place, f"is no picture that can be read ({shown(error)})") from error
+        raise LogError(place, f"is no picture that can be read ({escape(error)})") from error
     opaque = layers[..., 3] == 255 if clear else np.ones((rows, columns), bool)
     return layers[..., :3].mean(-1, dtype=np.float32), opaque
 
@@ -162,7 +162,7 @@ def _read_yaml(path: Path) -> dict[str, Any]:
     try:
         fields = yaml.load(read_text(path), yaml.BaseLoader)
     except yaml.YAMLError as fault:
-        raise LogError(path, f"is no YAML ({shown(fault)})") from fault
+        raise LogError(path, f"is no YAML ({escape(fault)})") from fault
     for key in ("image", "resolution", "origin", "occupied_thresh", "free_thresh"):
         if not isinstance(fields, dict) or key not in fields:
             raise LogError(path, f"has no {key}, which the YAML of a map for ROS must say")
@@ -244,7 +244,7 @@ def write_ros_map(
         "mode: trinary",
         f"# {thresholds}, else unknown; bias {map.bias}",
     ]
-    with replacing(place) as text, replacing(picture) as image:  # both can be written, or none is
+    with rewrite(place) as text, rewrite(picture) as image:  # both can be written, or none is
         image.write(f"P5\n{columns} {rows}\n255\n".encode("ascii") + pixels)
         text.write("".join(f"{line}\n" for line in lines).encode("utf-8", "surrogateescape"))
 

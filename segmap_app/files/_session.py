@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 from segmap import arrays
 from segmap.exports import log_arrays
-from segmap.files import read_npz, shown, write_npz
+from segmap.files import escape, read_npz, write_npz
 from segmap.readers.lines import LogError
 from segmap.readers.packed import log_file
 from segmap.readers.tables import log_from_arrays
@@ -113,4 +113,4 @@ def read_session(path: str | Path) -> Session:
         except (TypeError, LookupError, AttributeError, RecursionError) as fault:
             raise LogError(place, f"its session.json is damaged ({fault})") from fault
         except ValueError as fault:
-            raise LogError(place, str(fault).removeprefix(f"{shown(place)}: ")) from fault
+            raise LogError(place, str(fault).removeprefix(f"{escape(place)}: ")) from fault

@@ -14,7 +14,7 @@ from typing import Any
 import ipywidgets as W
 
 from segmap import arrays, readers
-from segmap.files import shown
+from segmap.files import escape
 from segmap.scans import Log
 from segmap.sensors import SensorError, ports, spinning_models
 
@@ -192,7 +192,7 @@ class Source:
     def take(self, name: str, size: int, start: int, content: bytes) -> int:
         """Keep a piece of a file of the browser, and read it when it is whole; what comes next."""
         with telling(self._refused):
-            return self._taken_in(shown(Path(name.replace("\0", "")).name), size, start, content)
+            return self._taken_in(escape(Path(name.replace("\0", "")).name), size, start, content)
         return -1
 
     def take_drive(self, log: Log, path: Path) -> None:

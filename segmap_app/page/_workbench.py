@@ -13,8 +13,8 @@ from typing import Any, cast
 import numpy as np
 
 from segmap import arrays
-from segmap.display import counted
-from segmap.files import file_name, shown
+from segmap.display import plural
+from segmap.files import escape, file_name
 from segmap.plotting import thumbnail
 from segmap.progress import Stopped, told
 from segmap.reduction import Reduction
@@ -117,7 +117,7 @@ class Workbench(Page, Work):
         if session is not None:
             self._choices.restore(session)
             if refused := self._runs.take(session.runs):
-                count = counted(len(session.runs), "run")
+                count = plural(len(session.runs), "run")
                 words = f"; {refused} of its {count} left out: no row of a run"
         self._bar.say(f"{log.name}: ready to run{words}", 0.0)
 
@@ -161,7 +161,7 @@ class Workbench(Page, Work):
         self._worker.grown = partial(self._grown, work[1])
         self._reduce(*work[:2], self._worker.do(begin, *work))
         if drive[1]:
-            self._bar.wrong(f"{shown(path)} is mapped, but its end was not asked for: {drive[1]}")
+            self._bar.wrong(f"{escape(path)} is mapped, but its end was not asked for: {drive[1]}")
 
     def _reduce(self, recipe: MapChoices, log: Log, begun: Pipeline) -> None:
         """Show a new map while it is reduced, and then what is left of it."""
@@ -217,7 +217,7 @@ class Workbench(Page, Work):
         outcome = self._runs.made[run]
         if beside:
             reduction = outcome.reductions[0]
-            title = f"run {run}, {shown(outcome.given.name)}: {len(reduction)}"
+            title = f"run {run}, {escape(outcome.given.name)}: {len(reduction)}"
             self.canvas.beside(reduction.segments, title)
         elif self._thread.is_alive():
             raise ValueError("something is running: wait for it, or press Stop, then try again")
@@ -388,5 +388,5 @@ class Workbench(Page, Work):
 
     def __repr__(self) -> str:
         if self.outcome is None:
-            return f"Workbench({shown(self.log.name)}: not run yet)"
-        return f"Workbench({shown(self.outcome.given.name)}: {self.outcome.summary()})"
+            return f"Workbench({escape(self.log.name)}: not run yet)"
+        return f"Workbench({escape(self.outcome.given.name)}: {self.outcome.summary()})"

@@ -8,7 +8,7 @@ from segmap.alignment import pose_graph
 from segmap.poses import compose
 from segmap.scans import LaserScan, Log
 from segmap.scans.causes import Cause
-from segmap.scans.motion import standing
+from segmap.scans.motion import repeats_place
 from segmap.simulation import SICK_LMS200, drive, simulate, square_room
 
 
@@ -41,13 +41,13 @@ def test_a_message_that_comes_twice_counts_once():
 def test_a_robot_that_moves_is_drawn_whole():
     """Catches a robot that creeps, one that turns on the spot, and a second visit."""
     creeping = looks(60, drive([(2, 2), (2.3, 2)], step=0.005))
-    assert not standing(creeping, creeping.truth).any()
+    assert not repeats_place(creeping, creeping.truth).any()
     turning = looks(60, np.column_stack([np.full((60, 2), 3.0), np.radians(0.15) * np.arange(60)]))
-    assert not standing(turning, turning.truth).any()
+    assert not repeats_place(turning, turning.truth).any()
     log = looks(50)
     away = np.array([1.0, 0.0, 0.0])
     poses = np.vstack([log.truth[:15], compose(log.truth[15:35], away), log.truth[35:]])
-    assert not standing(log, poses).any()
+    assert not repeats_place(log, poses).any()
 
 
 @pytest.mark.parametrize("other", ["beams", "view", "nothing"])
@@ -58,5 +58,5 @@ def test_what_looks_otherwise_is_drawn(other):
     changed = {"beams": wall[:90], "view": wall + 1.0, "nothing": np.full_like(wall, np.inf)}[other]
     last = LaserScan(changed, log[0].angles[: len(changed)], 99.0)
     mixed = Log("mixed", [*log, last])
-    mask = standing(mixed, np.vstack([log.truth, log.truth[:1]]))
+    mask = repeats_place(mixed, np.vstack([log.truth, log.truth[:1]]))
     assert mask[:40].sum() == 20 and not mask[40]

@@ -12,7 +12,7 @@ from programs import program
 import segmap
 from segmap import LaserScan, Log, SegmentMap, exports, readers
 from segmap.experiments import load_records, read_records, write_records
-from segmap.files import LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO, packed, write_bytes
+from segmap.files import LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO, pack, write_bytes
 from segmap.plan import floor_plan
 from segmap.quadtree import QuadtreeMap, map_of_grid
 from segmap_app import files
@@ -132,7 +132,7 @@ def test_what_is_no_regular_file_is_not_read(name, tmp_path):
 @pytest.mark.parametrize("size", [1000, LEAST_UNPACKED_BYTES + 1])
 def test_a_packed_file_holds_no_date_and_is_never_a_bomb(size):
     """Catches zeros packed so small that our own reader refuses them, and bytes that vary."""
-    smallest = packed(bytes(size))
+    smallest = pack(bytes(size))
     assert gzip.decompress(smallest) == bytes(size) and smallest[4:8] == bytes(4)
     assert size <= max(LEAST_UNPACKED_BYTES, MOST_UNPACKED_RATIO * len(smallest))
 

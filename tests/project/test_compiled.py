@@ -23,7 +23,7 @@ from segmap.compiled import (
     PLAIN,
     _say_once,
     compiled,
-    undisturbed,
+    hold_signals,
     work_time,
 )
 from segmap.progress import Compiling, announce, told
@@ -213,12 +213,12 @@ def test_what_compiles_goes_on_behind_an_interrupt():
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         with pytest.raises(KeyboardInterrupt):
-            undisturbed(work)("compiled")
+            hold_signals(work)("compiled")
     finally:
         signal.signal(signal.SIGINT, before)
     assert steps == ["compiled"]
     with pytest.raises(ZeroDivisionError):
-        undisturbed(lambda: 1 / 0)()
+        hold_signals(lambda: 1 / 0)()
 
 
 # ------------------------------------------------------------------ where machine code is kept

@@ -9,7 +9,7 @@ from segmap_course.literal.reduction.least_cost_merges import merge_all
 
 from segmap import build_map, load
 from segmap.compiled import Compiled
-from segmap.methods import bracket, halved
+from segmap.methods import bracket, halve
 from segmap.metrics import quality
 from segmap.poses import transform
 from segmap.reduction import least_cost
@@ -94,7 +94,7 @@ def test_a_threshold_is_found_to_within_a_third_of_a_percent(sought):
     ends = bracket(lambda value: value <= sought, 0.05, 9, 9)
     assert ends[1] == 2 * ends[0]
     for _ in range(8):
-        ends = halved(lambda value: value <= sought, ends)
+        ends = halve(lambda value: value <= sought, ends)
     assert ends[0] <= sought < ends[1] < 1.003 * ends[0]
 
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from ...arrays import Array
-from ...display import counted
+from ...display import plural
 from ...poses.motions import between, compose
 from ...scans import LaserScan, Log
 from ...scans.causes import Cause, Finding
-from ...scans.odometry import Steps, shifted
+from ...scans.odometry import Steps, interpolate
 from ..points import LEAST_POINTS, PointMap, in_range
 from ._blind_steps import register_near
 from ._changed import with_fields, with_odometry_rows
@@ -42,7 +42,7 @@ def with_clock_mended(log: Log) -> Log:
         words = f"at {back} of {len(log)} scans time goes back: they may be in another order"
         return replace(log, causes=(*log.causes, Finding(Cause.ORDER, back, words)))
     leap = float(steps[broken[0]])
-    words = f"the clock is set {counted(len(broken), 'time')}, first by {leap:+.6g} s at scan "
+    words = f"the clock is set {plural(len(broken), 'time')}, first by {leap:+.6g} s at scan "
     words += f"{broken[0] + 1}: the order of the scans counts"
     steps[broken] = usual
     mended = times[0] + np.r_[0.0, np.cumsum(steps)]
@@ -78,7 +78,7 @@ def with_waiting_scans_spread(log: Log) -> Log:
         waited += count
     if not waited:
         return log
-    words = f"{counted(waited, 'scan')} came together after pauses, as if they had waited: their "
+    words = f"{plural(waited, 'scan')} came together after pauses, as if they had waited: their "
     words += "times and odometry are spread over these pauses"
     return with_odometry_rows(log, rows, Finding(Cause.CLOCK, waited, words), time=times.tolist())
 
@@ -100,7 +100,7 @@ def with_readings_spread(log: Log, steps: Steps) -> Log:
     spread = repeats & apart & (until < period)  # longer before the next one it stood
     if not spread.any():
         return log
-    rows = shifted(rows[~spread], np.interp(at, at[~spread], np.arange((~spread).sum())))
+    rows = interpolate(rows[~spread], np.interp(at, at[~spread], np.arange((~spread).sum())))
     words = f"the odometry is read once in {period} scans: between, the motion is even"
     return with_odometry_rows(log, rows, Finding(Cause.DELAY, period, words))
 

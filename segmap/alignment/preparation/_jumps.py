@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array
-from ...display import counted
+from ...display import plural
 from ...poses.motions import between, compose
 from ...scans import Log
 from ...scans.causes import Cause, Finding
@@ -55,7 +55,7 @@ def without_jumps(log: Log, rows: Array) -> tuple[Array, list[Finding]]:
         scans_by_kind.setdefault(kind, []).append(scan)
     findings = []
     for kind, scans in scans_by_kind.items():
-        words = f"the odometry jumps {counted(len(scans), 'time')}, first at scan {scans[0]}"
+        words = f"the odometry jumps {plural(len(scans), 'time')}, first at scan {scans[0]}"
         unclear = kind is UNCLEAR
         findings.append(Finding(Cause.JUMP, len(scans), f"{words}: {kind}", doubtful=unclear))
     return rows, findings

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
-from ...display import counted
+from ...display import plural
 from ...poses.motions import compose
 from ...scans import Log
 from ...scans.causes import Cause, Finding
@@ -21,8 +21,8 @@ from ...scans.odometry import (
     OdometryComparison,
     Steps,
     delay_of,
+    interpolate,
     odometry_against_steps,
-    shifted,
     steps_of,
 )  # fmt: skip
 from ._changed import with_odometry_rows
@@ -62,7 +62,7 @@ def with_odometry_corrected(log: Log, steps: Steps) -> Log:
         return log
     late, share_left = delay_of(rows, steps)
     if abs(late) >= 1 and share_left < DELAY_LEFT_SHARE:
-        rows = shifted(rows, np.arange(len(rows)) + late)
+        rows = interpolate(rows, np.arange(len(rows)) + late)
         words = f"the odometry is {abs(late):g} scans {'late' if late > 0 else 'early'}"
         causes.append(Finding(Cause.DELAY, late, f"{words}: read at the right time"))
     rows, repeats = _without_repeats(rows, steps)
@@ -155,7 +155,7 @@ def _without_repeats(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
     if not repeats.any():
         return rows, []
     count = int(repeats.sum())
-    words = f"the odometry stands still in {counted(count, 'scan')} while the robot moves"
+    words = f"the odometry stands still in {plural(count, 'scan')} while the robot moves"
     finding = Finding(Cause.NO_ODOMETRY, count, f"{words}: there is no odometry there")
     return np.where(repeats[:, None], np.nan, rows), [finding]
 

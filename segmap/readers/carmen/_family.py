@@ -41,7 +41,7 @@ from ..raw_scans import (
     URG_STEP,
     Extrinsic,
     RawScan,
-    centred,
+    directions,
     extrinsic_by_offset,
     extrinsic_by_poses,
     half_turn,
@@ -72,7 +72,7 @@ class GMapping(Declared):
 
     def _other(self, fields: list[str]) -> None:
         if fields[0] == "SM_UPDATE" and self.scans:
-            self.scans[-1] = self.scans[-1]._replace(pose=_heaviest(fields))
+            self.scans[-1] = self.scans[-1]._replace(pose=_best_pose(fields))
         elif fields[:2] == ["PARAM", "maxrange"]:
             reach = float(float_fields(fields[2:3] or [""], "maxrange")[0])
             if not reach > 0:
@@ -81,7 +81,7 @@ class GMapping(Declared):
 
     def _directions(self, count: int) -> Array:
         step = WIDE_LASER_STEPS_RAD.get(count)
-        return centred(count, step) if step else half_turn(count)
+        return directions(count, step) if step else half_turn(count)
 
     def _finish(self) -> list[RawScan]:
         return [scan._replace(limit=self.reach) for scan in self.scans]
@@ -90,7 +90,7 @@ class GMapping(Declared):
         return extrinsic_by_offset(scans, np.zeros(3))
 
 
-def _heaviest(fields: list[str]) -> Array:
+def _best_pose(fields: list[str]) -> Array:
     """Pose of the heaviest particle, (3,) array; weights are logarithms, -inf is one."""
     particles, rest = counted_fields([*fields[1:2], *fields[2::PARTICLE]], "particles")
     if rest or len(fields) != 2 + PARTICLE * len(particles):

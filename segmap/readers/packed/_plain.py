@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from ... import arrays
-from ...files import members, most_unpacked, shown
+from ...files import escape, members, most_unpacked
 from ..lines import LogError, UnknownFormat
 
 #: First bytes of a file that one program packed -> the function that opens it.
@@ -110,7 +110,7 @@ def _unpack(path: Path, folder: Path) -> Path:
         except LogError:
             raise
         except Exception as fault:  # gzip, lzma and bz2 raise half a dozen
-            broken = f"the packed file is broken or cut short ({shown(fault)})"
+            broken = f"the packed file is broken or cut short ({escape(fault)})"
             raise LogError(path, f"{broken}: unpack by hand what is whole") from fault
     else:
         plain = path

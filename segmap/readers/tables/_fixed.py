@@ -38,7 +38,7 @@ from ..raw_scans import (
     URG_STEP,
     Extrinsic,
     RawScan,
-    centred,
+    directions,
     half_turn,
     urg_delays,
 )
@@ -65,7 +65,7 @@ RAWSEEDS_HOKUYO = 682
 def urg_scan(laser: str, millimetres: Array, when: float) -> RawScan:
     """A scan of a URG-04LX, whose ranges and codes are `(n,)`."""
     ranges, codes = as_ranges(millimetres)
-    angles = centred(len(ranges), URG_STEP)
+    angles = directions(len(ranges), URG_STEP)
     turn = codes, urg_delays(angles), (URG_ASSUMED,)
     return RawScan(laser, ranges, angles, when, NOWHERE, NOWHERE, URG_REACH, *turn)
 

@@ -75,7 +75,7 @@ def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
             recording.unknown = merged_skipped(recording.unknown, reading.skipped)
             if sensor == "GROUNDTRUTH":
                 times = np.array([scan.time for scan in recording.scans])
-                truth = known_truth(interpolate(*track.ordered(), times, max_gap=TRUTH_GAP))
+                truth = known_truth(interpolate(*track.in_order(), times, max_gap=TRUTH_GAP))
             else:
                 recording.track = track
     return replace(recording._log(name), truth=truth)
@@ -147,7 +147,7 @@ def read_in_order(
         try:
             log = read(path, name, on_error)
         except LogError as fault:
-            reading.damaged(fault)
+            reading.leave_out(fault)
         else:
             scans, assumed = [*scans, *log], log.assumed
             reading.skipped = merged_skipped(reading.skipped, log.skipped)

@@ -51,7 +51,7 @@ def asked_of(path: Path) -> str:
     if pose_layout_of(path).names:
         return POSES_ALONE
     are_numbers = len(layout.rows) >= LEAST_ROWS and 2 * sum(layout.kinds) >= len(layout.kinds)
-    return choices_of(layout).told(path.name) if are_numbers else ""
+    return choices_of(layout).question(path.name) if are_numbers else ""
 
 
 @checked

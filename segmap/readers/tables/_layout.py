@@ -106,7 +106,7 @@ class Layout(NamedTuple):
         lines = (*self.words, *self.rows[:1])  # a column may say it for each beam
         return next(iter((*turned, *filter(WAY_IN_WORDS.search, lines))), "")
 
-    def plain(self, number: str) -> str:
+    def clean(self, number: str) -> str:
         """A number as Python writes it."""
         return number.translate(str.maketrans(",.", ".,")) if self.decimal == "," else number
 
@@ -229,14 +229,14 @@ def layout_as_written(path: Path) -> Layout:
     comments = [each.decode("utf-8", "replace") for each in COMMENT.findall(content)]
     decimal, parted = decimal_mark(COMMENT.sub(b"", content) if comments else content, mark)
     layout = Layout(separator=mark, decimal=decimal)
-    two_marks = [f for f in fields if re.fullmatch(THOUSANDS, f) and not is_number(layout.plain(f))]
+    two_marks = [f for f in fields if re.fullmatch(THOUSANDS, f) and not is_number(layout.clean(f))]
     if mark != "," and (parted := parted or "".join(two_marks[:1])):
         odd = "".join(f".replace({each!r}, '')" for each in {*parted} - {*"+-0123456789,."})
         layout = layout._replace(unsaid=NUMBERS_UNSAID.format(parted, path.name, path.stem, odd))
 
     def kind(row: str) -> tuple[bool, ...]:
         fields = fields_of(row, mark)
-        numbers = [is_number(layout.plain(f)) or is_number(f) or f in two_marks for f in fields]
+        numbers = [is_number(layout.clean(f)) or is_number(f) or f in two_marks for f in fields]
         if not any(numbers):  # an empty line of a spreadsheet
             return ()
         return tuple(n or f.lower() in NOT_MEASURED for n, f in zip(numbers, fields, strict=True))

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from ... import arrays
 from ...arrays import Array
-from ...files import members, read_arrays, shown
+from ...files import escape, members, read_arrays
 from ...progress import each
 from ...scans import LaserScan, Log
 from ..lines import LATEST_TIME_S, LogError
@@ -50,7 +50,7 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
     try:
         by_name = read_arrays(path)
     except ValueError as fault:
-        raise LogError(path, str(fault).removeprefix(f"{shown(path)}: ")) from fault
+        raise LogError(path, str(fault).removeprefix(f"{escape(path)}: ")) from fault
     if missing := [needed for needed in NEEDED if needed not in by_name]:
         got = f"got {', '.join(sorted(by_name))[:80]}; no {missing[0]}"
         raise LogError(path, f"expected arrays {' and '.join(NEEDED)}, {got}")
@@ -100,7 +100,7 @@ def log_from_arrays(name: str, by_name: Mapping[str, NDArray[Any]]) -> Log:
     if "sensor_pose" not in by_name and {"odometry", "truth"} & set(by_name):
         assumed.append(place_of(np.zeros(3)))
     if others := sorted({*by_name} - KNOWN):
-        assumed.append(f"left out: {', '.join(map(shown, others))[:80]}")
+        assumed.append(f"left out: {', '.join(map(escape, others))[:80]}")
     return Log(name, scans, known_truth(truth), order_known=ordered, assumed=assumed)
 
 

@@ -80,7 +80,7 @@ class ColumnChoices(NamedTuple):
         names = ",".join("|".join(choice) for choice in self.choices)
         return re.sub("(?<![^,])-(,-)+(?![^,])", lambda run: f"-*{run[0].count('-')}", names)
 
-    def told(self, name: str) -> str:
+    def question(self, name: str) -> str:
         """The question about a file of that name, with what to write."""
         if not self.choices:
             return self.missing

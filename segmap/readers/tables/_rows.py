@@ -108,7 +108,7 @@ class Rows:
         return rows
 
     def _damaged(self, number: int, fault: str) -> None:
-        self.lines.damaged(LogError(self.lines.path, fault, number))
+        self.lines.leave_out(LogError(self.lines.path, fault, number))
 
     def ranges(self) -> list[Array]:
         """The ranges of each row, `(n,)`, metres: of a column each, or of one cell."""
@@ -148,7 +148,7 @@ class Rows:
     def texts(self, place: int) -> Any:
         """A column as words in lower case."""
         texts = self.columns[place].astype(str).fillna("").str.strip().str.strip("'").str.lower()
-        return texts if self.layout.decimal == "." else texts.map(self.layout.plain)
+        return texts if self.layout.decimal == "." else texts.map(self.layout.clean)
 
     def is_words(self, place: int) -> bool:
         """Whether a column does not hold numbers alone."""

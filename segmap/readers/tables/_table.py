@@ -41,7 +41,7 @@ SAME_DIRECTION_RAD = np.radians(0.5)
 def read_declared_rows(path: Path, name: str, on_error: str, layout: Layout) -> Log:
     """The log that a table holds."""
     if not layout.is_whole:
-        raise HeadError(path, choices_of(layout).told(path.name), layout.line or None)
+        raise HeadError(path, choices_of(layout).question(path.name), layout.line or None)
     lines = Lines(path, on_error)
     rows, places, notes = Rows(lines, layout), places_of(layout.names), list(layout.notes)
     _refuse_several(path, rows, layout)
@@ -211,14 +211,14 @@ def _by_number(
     return dict(table), np.flatnonzero(np.diff(table["scan"]))
 
 
-def _onwards(steps: Array) -> float:
+def _direction(steps: Array) -> float:
     """The sign of most steps from beam to beam."""
     return 1.0 if (steps > 0).sum() >= (steps < 0).sum() else -1.0
 
 
 def _from_first(angles: Array) -> Array:
     """Angles of points in their order, that wrap where the first of them lies."""
-    onwards = _onwards(np.diff(np.unwrap(angles)))
+    onwards = _direction(np.diff(np.unwrap(angles)))
     first = angles[:1] - onwards * SAME_DIRECTION_RAD
     return np.asarray(first + onwards * np.mod(onwards * (angles - first), 2 * np.pi))
 
@@ -226,7 +226,7 @@ def _from_first(angles: Array) -> Array:
 def ends_of_turns(angles: Array) -> tuple[NDArray[np.int64], str]:
     """Last beams of turns, or of sweeps to and fro, by their places, and what tells them."""
     steps = np.diff(angles)
-    wraps = np.flatnonzero(-_onwards(steps) * steps > min(np.ptp(angles) / 2, np.pi))
+    wraps = np.flatnonzero(-_direction(steps) * steps > min(np.ptp(angles) / 2, np.pi))
     if len(wraps):
         return wraps, "wraps"
     aside = angles - (angles.max() + angles.min()) / 2

@@ -68,14 +68,14 @@ def track_in(path: Path, on_error: str, layout: Layout) -> tuple[Track, Lines]:
     lines, track = Lines(path, on_error), Track()
     if not layout.names:
         raise HeadError(
-            path, choices_of(layout, missing_in(layout.head, of_poses=True)).told(path.name)
+            path, choices_of(layout, missing_in(layout.head, of_poses=True)).question(path.name)
         )
     rows, columns = Rows(lines, layout), dict[str, Array]()
     for role, (place, column) in places_of(layout.names, of_poses=True).items():
         values = rows.values(place, column)
         if values is None:
             missing = f"the unit of {layout.names[place]!r} is not said"
-            raise HeadError(path, choices_of(layout, missing).told(path.name))
+            raise HeadError(path, choices_of(layout, missing).question(path.name))
         columns[role] = values
     times = columns["time"] + columns.get("nanosec", 0.0)
     turn = ("pose_theta",) if "pose_theta" in columns else ("qw", "qx", "qy", "qz")
@@ -127,7 +127,7 @@ def read_trajectory(
     >>> times, poses[0].round(2)
     (array([10.5, 11.5]), array([1.  , 2.  , 1.57]))
     """
-    return _track(path, columns, on_error).ordered()
+    return _track(path, columns, on_error).in_order()
 
 
 @checked
@@ -168,7 +168,7 @@ def with_trajectories(
         scans = [replace(scan, time=when, odometry=or_none(pose)) for scan, when, pose in pairs]
         causes += clock_causes
     if "truth" in files:
-        known_times, poses = _track_of(files["truth"], log).ordered()
+        known_times, poses = _track_of(files["truth"], log).in_order()
         usual = float(np.median(np.diff(known_times))) if len(known_times) > 1 else 0.0
         gap = max(LONGEST_TRUTH_GAP_S, LONGEST_TRUTH_GAP_STEPS * usual)
         right = known_truth(interpolate(known_times, poses, times, max_gap=gap))

@@ -26,7 +26,7 @@ from ._fit_kernels import (
     empty_workspace,
     fit_cheapest_line,
     insert_ranked,
-    rounded,
+    round_off,
     segment_sums,
 )
 
@@ -157,14 +157,14 @@ def _assign(state: State, i: int, f: int, opens: bool, limits: Limits) -> None:
     best, other, first, second = who[i, 0], who[i, 1], cost[i, 0], cost[i, 1]
     if opens:
         value = assignment_cost(state.s, state.d, i, state.line, state.about, f, limits, second)
-        insert_ranked(cost, who, i, f, rounded(value))
+        insert_ranked(cost, who, i, f, round_off(value))
     elif f in (best, other):
         for k in range(2):
             cost[i, k], who[i, k] = np.inf, -1
         for k in range(meeting(state.outputs, state.s[i], HARD * limits.distance, near)):
             f, most = near[k], cost[i, 1]
             value = assignment_cost(state.s, state.d, i, state.line, state.about, f, limits, most)
-            insert_ranked(cost, who, i, f, rounded(value))
+            insert_ranked(cost, who, i, f, round_off(value))
     if who[i, 0] == best and who[i, 1] == other:
         return
     if best >= 0:
@@ -192,7 +192,7 @@ def _loss(state: State, f: int) -> float:
     while i < n:
         total += min(cost[i, 1], offer[i]) - min(cost[i, 0], offer[i])
         i = state.ring[i, 0]
-    return rounded(total)
+    return round_off(total)
 
 
 # ------------------------------------------------------------------ the three steps
@@ -250,7 +250,7 @@ def _close_all(state: State, limits: Limits) -> None:
 
 
 @compiled
-def _saved(state: State, f: int, h: int, limits: Limits) -> float:
+def _saving(state: State, f: int, h: int, limits: Limits) -> float:
     """What output h would save among the members of output f: some move to it, and f may close."""
     n, cost, saved, loss = len(state.s), state.cost, 0.0, 0.0
     i = state.ring[n + f, 0]
@@ -260,7 +260,7 @@ def _saved(state: State, f: int, h: int, limits: Limits) -> float:
         saved += max(cost[i, 0] - value, 0.0)
         loss += max(min(value, cost[i, 1]) - cost[i, 0], 0.0)
         i = state.ring[i, 0]
-    return rounded(saved + max(limits.penalty - loss, 0.0))
+    return round_off(saved + max(limits.penalty - loss, 0.0))
 
 
 @compiled
@@ -275,14 +275,14 @@ def _exchange(state: State, j: int, h: int, limits: Limits) -> int:
     _copy(state, state.s[j], h)
     for f in state.who[j]:
         if f >= 0:
-            saved += _saved(state, f, h, limits)
+            saved += _saving(state, f, h, limits)
     if saved <= TRIED_SHARE * penalty:
         return h
     count = meeting(state.inputs, state.line[h], HARD * limits.distance, near)
     for k in range(count):
         i, most = near[k], cost[near[k], 1]
         value = assignment_cost(state.s, state.d, i, state.line, state.about, h, limits, most)
-        offer[i] = rounded(value)
+        offer[i] = round_off(value)
         gain += max(cost[i, 0] - offer[i], 0.0)
     for k in range(count):
         f = state.who[near[k], 0]

@@ -81,7 +81,7 @@ def segment_sums(d: Array) -> Array:
 
 
 @compiled
-def rounded(cost: float) -> float:
+def round_off(cost: float) -> float:
     """Costs that are equal but for rounding become the same number."""
     return np.floor(cost / EQUAL + 0.5) * EQUAL
 

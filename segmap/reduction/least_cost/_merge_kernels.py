@@ -35,7 +35,7 @@ from ._fit_kernels import (
     Workspace,
     fit_cheapest_line,
     insert_ranked,
-    rounded,
+    round_off,
 )
 
 #: Pairs and members that are fitted between two reports of progress: 5 ms.
@@ -96,11 +96,11 @@ def nearest_neighbours(
             j = near[k]
             angular, across = mean_line_terms(d[j], d[i])
             value = ANGULAR_WEIGHT * angular + ACROSS_WEIGHT * across
-            if rounded(value) > max(nearest[i, -1], nearest[j, -1]):
+            if round_off(value) > max(nearest[i, -1], nearest[j, -1]):
                 continue
             off = apart(s[j], s[i])
             if off <= reach or crosses(s[i], s[j]):
-                value = rounded(value + APART_WEIGHT * off)
+                value = round_off(value + APART_WEIGHT * off)
                 insert_ranked(nearest, who, i, j, value)
                 insert_ranked(nearest, who, j, i, value)
         enter(places, i, s[i], 0.0)
@@ -151,7 +151,7 @@ def _estimate(state: State, work: Workspace, entry: int, limits: Limits) -> None
         total += distance_below(state.s[i], work.line, state.d[i], work.frame, np.inf)
         i = state.after[i]
     if total <= ESTIMATE_PENALTIES * limits.penalty:
-        state.key[pair] = rounded(max(total, 0.0) / ESTIMATE_RATIO)
+        state.key[pair] = round_off(max(total, 0.0) / ESTIMATE_RATIO)
 
 
 @compiled
@@ -228,7 +228,7 @@ def merge_some(state: State, work: Workspace, begin: int, end: int, limits: Limi
         b, pair = near[state.cheapest[a], 0], state.cheapest[a] // 2
         effort += 1 + link[a, 1] + link[b, 1]
         cost_fitted = _fit_pair(state, work, a, b, limits)
-        delta = rounded(cost_fitted - (state.sums[a, 6] + state.sums[b, 6]))
+        delta = round_off(cost_fitted - (state.sums[a, 6] + state.sums[b, 6]))
         if not state.exact[pair]:
             state.exact[pair] = 1
             state.key[pair] = delta if delta <= limits.penalty else np.inf

@@ -96,7 +96,7 @@ def _gap_is_hidden(walls: Walls, line: Line, low: float, high: float, tolerance:
 
 
 @compiled
-def _together(walls: Walls, seed: int, line: Line, tolerance: float) -> int:
+def _fitting_looks(walls: Walls, seed: int, line: Line, tolerance: float) -> int:
     """Write the looks that fit a line and hang together with the seed into `near`; how many."""
     s, near, spans, count = walls.s, walls.near, walls.spans, 1
     low, high = span(walls.grown, line)
@@ -183,7 +183,7 @@ def grow(walls: Walls, seeds: Indices, count: int, tolerance: float) -> int:
         place_on_line(walls.grown, line, 0.0, length_of(s[seed]))
         for _ in range(MOST_MEMBER_CHANGES):
             before = len(members)
-            members = walls.near[: _together(walls, seed, line, tolerance)]
+            members = walls.near[: _fitting_looks(walls, seed, line, tolerance)]
             stamp, same = stamp + 1, len(members) == before
             for i in members:
                 same = same and mark[i] == stamp - 1

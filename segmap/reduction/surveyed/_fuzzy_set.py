@@ -108,7 +108,7 @@ def fuzzy_set(
         errors = error + sizes[straight] / 2 * np.sin(off[straight])
         walls, first = np.empty((2 * len(straight), 5)), np.tile(rows.source_row[straight], 2)
         laid_rows = Rows(s[straight], rows.source_row[straight], rows.cuts)
-        walls[: len(straight)] = _laid(map, laid_rows, upright[straight], axis, errors, error)
+        walls[: len(straight)] = _on_axis(map, laid_rows, upright[straight], axis, errors, error)
         step = max(float(limits.max()), float(sizes.mean()) if n else 0.0)
         places = empty_index(len(walls), step)
         members = merge_all(walls, first, len(straight), limits, places)
@@ -126,7 +126,7 @@ def fuzzy_set(
     return replace(run_offline("fuzzy_set", map, reduce), doubt=doubt)
 
 
-def _laid(
+def _on_axis(
     map: Segments, rows: Rows, upright: NDArray[np.bool_], axis: float, errors: Array, least: float
 ) -> Array:
     """Step 2: rows laid on their axis, with their errors, or those that points tell.

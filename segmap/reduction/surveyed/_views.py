@@ -41,7 +41,7 @@ def cross(a: Array | Point, b: Array | Point, c: Array | Point) -> float:
 
 
 @compiled
-def facing(p: Array, s: Array, narrow: float) -> float:
+def view_area(p: Array, s: Array, narrow: float) -> float:
     """Twice the area between a segment and the sensor; 0 for one that is seen edge on."""
     double, far = cross(p, s[0], s[1]), 1.0
     for end in range(2):
@@ -132,8 +132,8 @@ def stretches_seen(
     """The stretches of a scan in the sectors of walls: rows of a `View`, its word as a number."""
     stretches = []
     for k in range(len(walls)):
-        for j in range(len(scan) if facing(p, walls[k], 1e-6) != 0 else 0):
-            if facing(p, scan[j], 0.0) == 0:
+        for j in range(len(scan) if view_area(p, walls[k], 1e-6) != 0 else 0):
+            if view_area(p, scan[j], 0.0) == 0:
                 continue
             for says, t0, t1, u0, u1, h0, h1 in stretches_of(walls[k], scan[j], p, distance):
                 if (t1 - t0) * length_of(scan[j]) > SAME:

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from segmap.alignment import Verdict
-from segmap.display import counted
-from segmap.files import members, shown, writable
+from segmap.display import plural
+from segmap.files import check_place, escape, members
 from segmap.readers import LogError, UnknownFormat, format_of, together
 from segmap.scans import Log
 
@@ -52,7 +52,7 @@ Work = Callable[[Options, Log, list[Path], Report], int]
 def say_which_log(log: Log, source: str) -> str:
     """Which log comes now."""
     where = "" if source == log.name else f", {source}"
-    return f"{log.name}: {counted(len(log), 'scan')}{where}"
+    return f"{log.name}: {plural(len(log), 'scan')}{where}"
 
 
 def each_log(
@@ -71,7 +71,7 @@ def each_log(
     chosen = [[file] for file in each] if reading.columns or reading.view else together(each)
     alike = [pattern for pattern in patterns if LOG_NAME not in pattern]
     if len(chosen) > 1 and alike:
-        raise Usage(f"{counted(len(chosen), 'log')} would go to {alike[0]}: write {{name}} in it")
+        raise Usage(f"{plural(len(chosen), 'log')} would go to {alike[0]}: write {{name}} in it")
     if given.world.place and not any(name.lower().endswith(OF_A_PLACE) for name in patterns):
         raise Usage("--place is for a .geojson, the other files have none: name one with -o")
     fixed = [pattern for pattern in patterns if LOG_NAME not in str(Path(pattern).parent)]
@@ -85,7 +85,7 @@ def each_log(
     with bars, stoppable(), progress(1 if reading.quiet else len(chosen), "log") as bar:
         for files in chosen:
             source = files[0]
-            bar.set_description(shown(Path(source).name))
+            bar.set_description(escape(Path(source).name))
             reports.append(report := Report(source, json=reading.json, quiet=reading.quiet))
             try:
                 with warnings.catch_warnings():  # a thousand scans may deserve the same
@@ -101,7 +101,7 @@ def each_log(
             except BrokenPipeError:  # nobody reads any more
                 raise
             except FAULTS as error:
-                why, name = reason(error), shown(source)
+                why, name = reason(error), escape(source)
                 failed.append(why if name in why else f"{name}: {why}")
                 report.found["failed"] = failed[-1]
             report.end()
@@ -111,7 +111,7 @@ def each_log(
     for why in failed:
         print_error(why)
     if len(reports) > 1 and not (reading.json or reading.quiet):
-        print_line(f"{len(reports) - len(failed)} of {counted(len(reports), 'log')} done")
+        print_line(f"{len(reports) - len(failed)} of {plural(len(reports), 'log')} done")
     return 1 if failed else max(codes)
 
 
@@ -119,7 +119,7 @@ def tell_what_is_left_out(log: Log, options: Sequence[str], report: Report) -> N
     """Say which lines of a log are damaged, and which options of its session this command lacks."""
     if log.skipped:
         count, why = log.skipped
-        report.line("damaged", f"{counted(count, 'line')} left out; {why}", lines=count)
+        report.line("damaged", f"{plural(count, 'line')} left out; {why}", lines=count)
     if options:
         report.line("session", f"its {', '.join(options)} left out: no option here")
 
@@ -129,7 +129,7 @@ def targets(patterns: Sequence[str], name: str, source: str, taken: dict[Path, s
     paths = [Path(pattern.replace(LOG_NAME, name)) for pattern in patterns]
     for path in paths:
         place = path.resolve()
-        writable(path)
+        check_place(path)
         if place == Path(source).resolve():
             raise ValueError(f"cannot write {path}: it is the log itself")
         if other := taken.get(place):
@@ -140,7 +140,7 @@ def targets(patterns: Sequence[str], name: str, source: str, taken: dict[Path, s
 
 def refuse_maps(names: Iterable[str]) -> None:
     """End with an error of usage where a map for ROS is taken for a log."""
-    for name in map(shown, filter(is_ros_map, names)):
+    for name in map(escape, filter(is_ros_map, names)):
         advice = f"`segmap locate {name} LOG` finds a robot on it"
         raise Usage(f"{name} is a map for ROS and no log: {advice}")
 
@@ -150,7 +150,7 @@ def check_places(names: Iterable[str | None]) -> None:
     for name in filter(None, names):
         try:
             for each in beside(Path(name)):
-                writable(each)
+                check_place(each)
         except (ValueError, OSError) as error:
             raise Usage(reason(error)) from error
 
@@ -170,8 +170,8 @@ def sources(text: str) -> Iterator[str]:
     logs = [path for path in inside if is_log(path)]
     if others := [str(path.relative_to(folder)) for path in inside if path not in logs]:
         more = f" and {len(others) - NAMED} more" if len(others) > NAMED else ""
-        names = f"{', '.join(map(shown, others[:NAMED]))}{more}"
-        print_error(f"{shown(folder)}: left out, since no log: {names}")
+        names = f"{', '.join(map(escape, others[:NAMED]))}{more}"
+        print_error(f"{escape(folder)}: left out, since no log: {names}")
     yield from map(str, logs or [folder])
 
 
@@ -242,7 +242,7 @@ def concluded(demand: Demand, verdict: Verdict, report: Report) -> int:
     asked = f" (--strict asks for {percent(demand.share())} of the scans)" if few else ""
     report.line("verdict", f"{verdict}{asked}", **asdict(verdict))
     if verdict.grade in ("doubtful", "not checked"):
-        print_error(f"{shown(report.found['source'])}: {verdict}")
+        print_error(f"{escape(report.found['source'])}: {verdict}")
     return NO_MAP if too_little(demand, verdict) else 0
 
 

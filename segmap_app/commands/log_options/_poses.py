@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from segmap.alignment import METHODS, Alignment, usual_method
-from segmap.display import counted
+from segmap.display import plural
 from segmap.scans import Log
 from segmap.scans.causes import Cause
 from segmap.scans.motion import is_timed
@@ -53,22 +53,22 @@ def tell_deskewing(outcome: Pipeline, report: Report) -> None:
         return  # no beam is carried, and the doubt of the alignment says why
     if is_timed(outcome.given) and not is_timed(outcome.log):
         count = sum(new is not old for new, old in zip(outcome.log, outcome.given, strict=True))
-        words = f"{count} of {counted(len(outcome.log), 'scan')}, by how the robot moved meanwhile"
+        words = f"{count} of {plural(len(outcome.log), 'scan')}, by how the robot moved meanwhile"
         report.line("de-skewed", words, scans=count)
 
 
 def tell_alignment(found: Alignment, report: Report) -> None:
     """Say how many scans are placed, how many loops that took, and what speaks against it."""
     figures: dict[str, Any] = {"method": found.method, "matched": int(found.used.sum())}
-    placed = f"{figures['matched']} of {counted(len(found), 'scan')} matched"
+    placed = f"{figures['matched']} of {plural(len(found), 'scan')} matched"
     if found.graph is not None:
         figures["loops"] = int(found.graph.loop.sum())
-        placed += f", {counted(figures['loops'], 'loop')} closed"
+        placed += f", {plural(figures['loops'], 'loop')} closed"
     words = f"by {found.method}: {placed}, {seconds(found.seconds)}"
     figures["causes"] = [asdict(finding) for finding in found.causes]
     report.line("aligned", words, **figures, scans=len(found), seconds=found.seconds)
     reasons = Counter(filter(None, found.reasons)).most_common(MOST_REASONS)
     for why, count in reasons:
-        report.line("", f"{counted(count, 'scan')} not: {why}")
+        report.line("", f"{plural(count, 'scan')} not: {why}")
     if found.doubt:
         report.line("", f"doubt: {found.doubt}")

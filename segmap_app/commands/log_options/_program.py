@@ -18,7 +18,7 @@ from cyclopts.config import Dict
 
 from segmap import __version__
 from segmap.arrays import Declared
-from segmap.files import shown
+from segmap.files import escape
 from segmap.readers import read_text
 
 from .._output import Usage
@@ -151,7 +151,7 @@ def _from_file(app: App, commands: tuple[str, ...], arguments: ArgumentCollectio
         try:
             stored = tomllib.loads(read_text(path))
         except tomllib.TOMLDecodeError as error:
-            raise ValueError(f"{shown(path)}: {error}") from error
+            raise ValueError(f"{escape(path)}: {error}") from error
         options = with_calls(stored)
         if JOB in os.environ:
             options = {name: each for name, each in options.items() if f"--{name}" not in FOR_ALL}

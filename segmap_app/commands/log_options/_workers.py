@@ -18,8 +18,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from segmap.display import counted, pip_install
-from segmap.files import shown, write_bytes
+from segmap.display import pip_install, plural
+from segmap.files import escape, write_bytes
 
 from .._output import NO_MAP, Usage, print_error, print_line, progress, stoppable
 from ._options import LogOptions
@@ -40,8 +40,8 @@ def on_workers(names: Sequence[str], given: LogOptions, chosen: list[list[str]])
     done_before = {row["source"] for row in rows}
     waiting = [files for files in chosen if files[0] not in done_before]
     if len(waiting) < len(chosen):
-        count = counted(len(chosen) - len(waiting), "log")
-        print_line(f"{count} of {len(chosen)} done before: {shown(table)}")
+        count = plural(len(chosen) - len(waiting), "log")
+        print_line(f"{count} of {len(chosen)} done before: {escape(table)}")
     with ExitStack() as stack:
         stack.enter_context(stoppable())
         executor, client = stack.enter_context(_executor(str(reading.workers)))
@@ -64,12 +64,12 @@ def on_workers(names: Sequence[str], given: LogOptions, chosen: list[list[str]])
             if reading.json:
                 print_line(json.dumps(row))
             elif not reading.quiet and "failed" not in row:
-                print_line(f"{shown(source)}: {row.get('verdict', {}).get('text', 'done')}")
+                print_line(f"{escape(source)}: {row.get('verdict', {}).get('text', 'done')}")
             bar.update()
     for why in failed:
         print_error(why)
     if not (reading.json or reading.quiet):
-        print_line(f"{len(waiting) - len(failed)} of {counted(len(waiting), 'log')} done")
+        print_line(f"{len(waiting) - len(failed)} of {plural(len(waiting), 'log')} done")
     return 1 if failed else max(codes)
 
 
@@ -100,7 +100,7 @@ def _answer(future: Any, source: str) -> tuple[int, dict[str, Any], dict[str, by
     if code not in (0, NO_MAP):
         last = [f"ended with {code}", *errors.strip().splitlines()][-1].removeprefix("segmap: ")
         why = row.get("failed", last)
-        row["failed"] = why if shown(source) in why else f"{shown(source)}: {why}"
+        row["failed"] = why if escape(source) in why else f"{escape(source)}: {why}"
     return code, row, written
 
 
@@ -151,7 +151,7 @@ def _jobs(
     size = sum(
         each.stat().st_size for group in paths for path in group for each in _all_files(path)
     )
-    print_line(f"the workers do not see {shown(here)}: {size / 1e6:.1f} MB of logs are sent")
+    print_line(f"the workers do not see {escape(here)}: {size / 1e6:.1f} MB of logs are sent")
     for files, group in zip(waiting, paths, strict=True):
         sent = {
             str(each.relative_to(path.parent)): each.read_bytes()

@@ -35,11 +35,11 @@ import numpy as np
 from segmap import arrays
 from segmap.angles import wrap
 from segmap.arrays import Array, checked
-from segmap.display import counted
+from segmap.display import plural
 from segmap.poses import interpolate
 from segmap.progress import announce
 from segmap.readers.lines import LATEST_TIME_S, LogError, OnError, Reading, UnknownFormat, stem
-from segmap.readers.mounting import flat, in_space, level
+from segmap.readers.mounting import in_space, level, planar
 from segmap.readers.packed import log_file
 from segmap.readers.raw_scans import Track, known_truth, or_none, place_of
 from segmap.scans import LaserScan, Log
@@ -212,7 +212,7 @@ class _Recording:
                 reason = f"{topic}, message {counts[topic]}: {fault}"
             else:
                 continue
-            self.reading.damaged(LogError(self.path, reason))
+            self.reading.leave_out(LogError(self.path, reason))
 
     def _take(self, topic: str, kind: str, message: Any, received: float, ordered: bool) -> None:
         number, after = len(self.messages), len(self.messages) if ordered else None
@@ -288,8 +288,8 @@ class _Recording:
             groups = turns(mine)
             usual = time_between(groups)
             if usual:
-                count = f"{counted(len(mine), 'message')} of {topic}"
-                self.assumed.append(f"{count} are parts of {counted(len(groups), 'turn')}")
+                count = f"{plural(len(mine), 'message')} of {topic}"
+                self.assumed.append(f"{count} are parts of {plural(len(groups), 'turn')}")
             for parts in groups:
                 beams = turn_of_parts(parts, usual)
                 ordered &= bool(usual) or beams.delays is None
@@ -308,7 +308,7 @@ class _Recording:
             scans.append(LaserScan(beams.ranges, angles, time, or_none(pose), *sensor))
         right = None
         if truth:
-            right = known_truth(interpolate(*self.ways[truth].track.ordered(), times))
+            right = known_truth(interpolate(*self.ways[truth].track.in_order(), times))
         skipped = self.reading.skipped
         return Log(name, scans, right, skipped, ordered, causes, self.assumed)
 
@@ -324,7 +324,7 @@ class _Recording:
             space = np.eye(4)
             self.assumed.append(place_of(np.zeros(3)))
         try:
-            return flat(space)
+            return planar(space)
         except ValueError as fault:
             raise LogError(self.path, str(fault)) from fault
 

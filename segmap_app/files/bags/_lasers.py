@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from segmap.arrays import unit_checks
-from segmap.files import shown
+from segmap.files import escape
 from segmap.readers.lines import LogError
 from segmap.readers.raw_scans import MOST_APART, beams_of_message
 from segmap.scans import LaserScan
@@ -140,4 +140,4 @@ def topics_text(bag: Bag) -> str:
 
 def warn_of_bag(text: str) -> None:
     """Warn, as of an argument."""
-    unit_checks.warn(shown(text))
+    unit_checks.warn(escape(text))

@@ -21,7 +21,7 @@ import numpy as np
 
 from segmap.arrays import LARGEST_COORDINATE, Array
 from segmap.exports import PoseGraph
-from segmap.poses.information import SYMMETRIC, rotated
+from segmap.poses.information import SYMMETRIC, rotate
 from segmap.readers.lines import Lines, LogError, float_fields, pose_fields
 from segmap.readers.packed import log_file
 
@@ -89,7 +89,7 @@ def read_graph(path: str | Path) -> PoseGraph:
     edges = np.searchsorted(ids, np.array([edge[1:3] for edge in measured], whole).reshape(-1, 2))
     numbers = np.reshape([edge[3] for edge in measured], (-1, 12))
     relative = numbers[:, :3]
-    information = rotated(numbers[:, 3:].reshape(-1, 3, 3), -relative[:, 2])
+    information = rotate(numbers[:, 3:].reshape(-1, 3, 3), -relative[:, 2])
     return PoseGraph(
         np.array([poses[k] for k in sorted(poses)]), edges, relative, information, ids, left_out
     )
