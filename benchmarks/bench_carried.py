@@ -28,7 +28,7 @@ from segmap.scans.motion import motion_compensated
 from segmap.sensors import SpinningLaser
 from segmap.sensors.emulator._spinning import SpinningUnit
 from segmap.simulation import office
-from segmap_app.drives import written
+from segmap_app.drives import save_each
 
 from .measure import Row
 
@@ -236,7 +236,7 @@ def memory(minutes: float) -> Iterator[Row]:
     turns = (replace(scan, time=k * laser.period) for k, scan in enumerate(itertools.cycle(some)))
     marks = {round(60 * at / laser.period): at for at in MINUTES if at <= minutes}
     with tempfile.TemporaryDirectory() as folder:
-        for k, scan in enumerate(written(turns, Path(folder) / "drive.csv"), 1):
+        for k, scan in enumerate(save_each(turns, Path(folder) / "drive.csv"), 1):
             live.add(scan)
             if k in marks:
                 pages = int(Path("/proc/self/statm").read_text().split()[1])

@@ -28,11 +28,11 @@ class Call:
         """The thresholds as Python writes them, each behind a comma; angles by their degrees."""
         rules, written = declared(self.function), ""
         for name, value in self.thresholds.items():
-            text = short(value) if isinstance(value, float) else repr(value)
+            text = shortest(value) if isinstance(value, float) else repr(value)
             if isinstance(value, float) and rules[name].read_unit != rules[name].unit:
                 read = as_read(rules[name], value)
                 exact = rules[name].meant(read) == value
-                text = f"np.radians({short(read)})" if exact else repr(float(value))
+                text = f"np.radians({shortest(read)})" if exact else repr(float(value))
             written += f", {name}={text}"
         return written
 
@@ -63,18 +63,18 @@ def as_read(said: Declared, value: Any) -> Any:
     return brief if said.meant(brief) == value else read
 
 
-def short(value: float) -> str:
+def shortest(value: float) -> str:
     """A number as short as it can be written without becoming another one."""
     brief = f"{value:.6g}"
     return brief if float(brief) == value else repr(float(value))
 
 
-def preparing(options: Mapping[str, Any]) -> dict[str, Any]:
+def keywords(options: Mapping[str, Any]) -> dict[str, Any]:
     """The keywords of `alignment.prepared` for options of `segmap map`, as a session keeps them.
 
     Examples
     --------
-    >>> preparing({"no_deskew": True, "mount": [0.2, 0.0, 180.0]})
+    >>> keywords({"no_deskew": True, "mount": [0.2, 0.0, 180.0]})
     {'deskew': False, 'mount': (0.2, 0.0, 3.141592653589793)}
     """
     keywords: dict[str, Any] = {"deskew": False} if options.get("no_deskew") else {}
@@ -114,7 +114,7 @@ def directions(words: Iterable[str]) -> tuple[tuple[float, float], ...]:
     return tuple(intervals)
 
 
-def called(room: Any, name: str, call: Call, data: str) -> str:
+def source_of(room: Any, name: str, call: Call, data: str) -> str:
     """A call of a method, by its own name where the room exports it, else out of METHODS."""
     own = getattr(room, call.name, None) is call.function
     path = f"segmap.{name}.{call.name}" if own else f"segmap.{name}.METHODS[{call.name!r}]"

@@ -50,10 +50,10 @@ def drive(model: str, port: str, path: Path, clockwise: bool | None) -> str:
     """
     warm.dispatch(CASES)  # before scans wait
     try:
-        with opened(model, port, clockwise) as laser:
+        with open_laser(model, port, clockwise) as laser:
             for words in getattr(laser, "assumed", ()):
                 announce(0.0, Driving(f"live: assumed that {words}"))
-            with Newest(written(laser.scans(), path)) as scans:
+            with Newest(save_each(laser.scans(), path)) as scans:
                 follow(scans)
     except (KeyboardInterrupt, Stopped):
         return ""
@@ -62,7 +62,7 @@ def drive(model: str, port: str, path: Path, clockwise: bool | None) -> str:
     return ""
 
 
-def driven(model: str, port: str, path: Path, clockwise: bool | None) -> tuple[Log, str]:
+def record(model: str, port: str, path: Path, clockwise: bool | None) -> tuple[Log, str]:
     """The log of a drive, and why it ended if it was not stopped; a ValueError without a scan."""
     why = drive(model, port, path, clockwise)
     if not path.exists():
@@ -70,7 +70,7 @@ def driven(model: str, port: str, path: Path, clockwise: bool | None) -> tuple[L
     return readers.read(path, on_error="skip"), why
 
 
-def mirrored(path: Path) -> Log:
+def mirror(path: Path) -> Log:
     """The log of a drive with its angles counted the other way: the file is written anew."""
     with path.open(encoding="ascii", newline="") as old, rewrite(path) as new:
         new.write(next(old).encode())
@@ -80,14 +80,14 @@ def mirrored(path: Path) -> Log:
     return readers.read(path, on_error="skip")
 
 
-def opened(model: str, port: str, clockwise: bool | None) -> SpinningLaser | UrgSensor:
+def open_laser(model: str, port: str, clockwise: bool | None) -> SpinningLaser | UrgSensor:
     """The laser of a model at a port."""
     if model.upper() == HOKUYO:
         return UrgSensor(port or "auto")
     return SpinningLaser(model, port, clockwise=clockwise)
 
 
-def written(scans: Iterable[LaserScan], path: Path) -> Iterator[LaserScan]:
+def save_each(scans: Iterable[LaserScan], path: Path) -> Iterator[LaserScan]:
     """The scans, each of them written to a new file before it is handed on."""
     scans = iter(scans)
     first = [*islice(scans, 1)]

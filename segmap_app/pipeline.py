@@ -20,7 +20,7 @@ from segmap.scans.causes import Cause, Finding
 from segmap.segments import SegmentMap, main_direction
 from segmap.threads import computed
 
-from .call import Call, as_read, called, defaults, option_words, preparing, short, with_imports
+from .call import Call, as_read, defaults, keywords, option_words, shortest, source_of, with_imports
 from .files import Session, placed_at
 
 Map = TypeVar("Map", SegmentMap, QuadtreeMap)
@@ -95,12 +95,12 @@ class MapChoices:
         extract, thresholds = self.extract, self.extract.arguments()
         if extract.name != "extract_polylines":
             thresholds = f", extract=segmap.extraction.{extract.name}{thresholds}"
-        suffix = f".filtered({short(self.least)})" if self.least else ""
+        suffix = f".filtered({shortest(self.least)})" if self.least else ""
         if "crop" in self.edits:
-            suffix = f".cropped({', '.join(map(short, self.edits['crop']))}){suffix}"
+            suffix = f".cropped({', '.join(map(shortest, self.edits['crop']))}){suffix}"
         lines = [f"log = {self.log}"]
         if self.prepare is not None:
-            options = "".join(f", {k}={v!r}" for k, v in preparing(self.prepare).items())
+            options = "".join(f", {k}={v!r}" for k, v in keywords(self.prepare).items())
             lines.append(f"log = segmap.alignment.prepared(log{options})")
         if any(self.mends()):
             veto, tie = self.mends()
@@ -108,7 +108,7 @@ class MapChoices:
             lines += [f"graph = {graph}", "graph.extend(log)", "graph.refine()"]
             lines.append(f"alignment = graph.with_loops({veto=}, {tie=})")
         else:
-            lines.append(f"alignment = {called(alignment, 'alignment', self.align, 'log')}")
+            lines.append(f"alignment = {source_of(alignment, 'alignment', self.align, 'log')}")
         if "square" in self.edits:
             turn = "segmap.segments.main_direction(segmap.build_map(log, alignment.trusted))"
             lines.append(f"alignment = alignment.turned(-{turn})")
@@ -118,7 +118,7 @@ class MapChoices:
         thresholds += ", keep_points=True" * self.keeps_points()
         lines.append(f"full = segmap.build_map(log, alignment.trusted{thresholds}){suffix}")
         for name, call in zip(("reduced", "other"), self.methods, strict=False):
-            lines.append(f"{name} = {called(reduction, 'reduction', call, 'full')}")
+            lines.append(f"{name} = {source_of(reduction, 'reduction', call, 'full')}")
         lines.append("segmap.reduction_rate(full, reduced), segmap.quality(full, reduced)")
         name, world = "map.svg", ""
         if "place" in self.edits:
@@ -190,7 +190,7 @@ class Pipeline:
         if self.recipe.prepare is None:
             return self.given
         announce(0.0, f"preparing {len(self.given)} scans")
-        return alignment.prepared(self.given, **preparing(self.recipe.prepare))
+        return alignment.prepared(self.given, **keywords(self.recipe.prepare))
 
     @step(lambda recipe: recipe.align)
     def live_graph(self) -> tuple[LiveGraph, Alignment] | None:

@@ -79,7 +79,7 @@ def compare_methods(given: CompareOptions, log: Log, paths: list[Path], report: 
     if not len(map):
         raise ValueError("there is nothing to compare: the map holds no segment")
     if not given.all:
-        map = thin(map)
+        map = decimate(map)
     part = ""
     if len(map) < len(whole):
         used, every = (len(np.unique(m.scan)) for m in (map, whole))
@@ -102,7 +102,7 @@ def compare_methods(given: CompareOptions, log: Log, paths: list[Path], report: 
 
             write_curves(path, runs, quality)
 
-    return log_options.finished(given.demand, verdict, paths, report, write)
+    return log_options.finish(given.demand, verdict, paths, report, write)
 
 
 def runs_of_all(name: str, map: SegmentMap, quality: float) -> pd.DataFrame:
@@ -146,7 +146,7 @@ def runs_near(map: dict[str, SegmentMap], method: str, quality: float) -> pd.Dat
     return pd.concat(runs)
 
 
-def thin(map: SegmentMap) -> SegmentMap:
+def decimate(map: SegmentMap) -> SegmentMap:
     """Every second scan, every third, ...: the first part of a map that is not too long."""
     every, part, step = np.unique(map.scan), map, 1
     while len(part) > MOST_COMPARED_SEGMENTS and step < len(every):

@@ -63,13 +63,13 @@ def convert_log(given: ConvertOptions, log: Log, paths: list[Path], report: Repo
     if outcome is not None:
         poses = outcome.alignment_in_log_frame
         log_options.tell_alignment(poses, report)
-        written = log_options.allowed(given.demand, outcome.verdict, paths, report)
+        written = log_options.outputs(given.demand, outcome.verdict, paths, report)
     if written:
         texts = [_write_log(path, log, poses) for path in written]
         report.line("written", texts[0], files=[str(path) for path in written])
         for text in texts[1:]:
             report.line("", text)
-    return 0 if outcome is None else log_options.concluded(given.demand, outcome.verdict, report)
+    return 0 if outcome is None else log_options.conclude(given.demand, outcome.verdict, report)
 
 
 def _write_log(path: Path, log: Log, poses: Alignment | None) -> str:

@@ -9,7 +9,7 @@ from segmap.arrays import described
 from segmap.files import speak
 
 from ._output import FAULTS, Usage, plain_warnings, print_error, print_line, reason
-from .log_options import FAMILIES, call_of, command, parsed, thresholds
+from .log_options import FAMILIES, call_of, command, parse, thresholds
 
 
 @command("methods", "methods", "methods fusion", "methods pose_graph")
@@ -27,7 +27,7 @@ def methods(method: str | None = None, /) -> None:
         words = described(function)
         print_line(f"{name}: {words['']}")
         for key, threshold in thresholds(function).items() if method else ():
-            print_line(f"  {key}: {words[key]} Default: {threshold.shown()}.")
+            print_line(f"  {key}: {words[key]} Default: {threshold.text_of()}.")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -36,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else arguments
     try:
         with plain_warnings():
-            return int(parsed(words)() or 0)
+            return int(parse(words)() or 0)
     except KeyboardInterrupt:
         print_error("stopped")
         return 130

@@ -210,7 +210,7 @@ def write_map(
         else:
             exports.write_segments(path, after, world=world_of(outcome.recipe.edits))
 
-    return log_options.finished(given.demand, outcome.verdict, paths, report, write)
+    return log_options.finish(given.demand, outcome.verdict, paths, report, write)
 
 
 def tell_reduction(outcome: Pipeline, reduction: Reduction, report: Report) -> None:
@@ -290,4 +290,4 @@ def plan_of_log(given: PlanOptions, log: Log, paths: list[Path], report: Report)
         options: Any = {"world": world_of(outcome.recipe.edits), "as_recorded": given.as_recorded}
         exports.write_plan(path, plan, **sheet_words(outcome), **options)
 
-    return log_options.finished(given.demand, verdict, paths, report, write)
+    return log_options.finish(given.demand, verdict, paths, report, write)

@@ -58,7 +58,7 @@ def merge_logs(
     alignment = replace(alignment, causes=(*alignment.causes, *logs[0].causes, *logs[1].causes))
     if not (alignment.used[: len(first)].any() and alignment.used[len(first) :].any()):
         log_options.tell_alignment(alignment, report)
-        return log_options.concluded(options.demand, alignment.verdict, report)
+        return log_options.conclude(options.demand, alignment.verdict, report)
     scans = [scan for each in logs for scan in each]
     scans = [replace(s, odometry=pose) for s, pose in zip(scans, alignment.poses, strict=True)]
     assumed = (*first.assumed, *log.assumed)

@@ -71,7 +71,7 @@ def draw_tree_of_log(given: OccupancyOptions, log: Log, paths: list[Path], repor
     figures = {"width": width, "height": height, "occupied": area, "leaves": len(full)}
     report.line("mapped", words, **figures, resolution=given.resolution, bytes=map.nbytes)
     world = world_of(given.edits())
-    return log_options.finished(
+    return log_options.finish(
         given.demand, verdict, paths, report, lambda path: _write_tree(path, map, world)
     )
 

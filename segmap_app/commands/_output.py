@@ -83,7 +83,7 @@ class Report:
     def line(self, word: str, text: str, **figures: Any) -> None:
         """One thing about the log, below its name; without a word it belongs to the line before."""
         if word:
-            self._last = {"text": text} | {k: finite(v) for k, v in figures.items()}
+            self._last = {"text": text} | {k: for_json(v) for k, v in figures.items()}
             self.found[word] = self._last
         else:
             self._last.setdefault("notes", []).append(text)
@@ -106,7 +106,7 @@ class Report:
             print_line(json.dumps(self.found))
 
 
-def finite(value: Any) -> Any:
+def for_json(value: Any) -> Any:
     """A figure as JSON can hold it: nothing in the place of NaN."""
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
@@ -195,7 +195,7 @@ def progress_bars(*, quiet: bool = False) -> Iterator[None]:
 
 
 @contextmanager
-def stoppable() -> Iterator[None]:
+def stop_early() -> Iterator[None]:
     """End at Control-C also where a compiled loop runs, which hears nothing of it."""
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -24,7 +24,7 @@ from typing import IO, Any
 from segmap.progress import Stopped, announce, told
 from segmap.scans import Log
 
-from ..drives import Driving, driven
+from ..drives import Driving, record
 from ..pipeline import Pipeline, Placing
 from ._files import sketch
 
@@ -45,7 +45,7 @@ MOST_TIME_S = 3600
 #: A step may take so long before it is told, seconds.
 STEP_PATIENCE_S = 0.2
 #: And longer in a function that waits for a laser.
-PATIENCE_S: dict[Callable[..., Any], float] = {driven: 5.0}
+PATIENCE_S: dict[Callable[..., Any], float] = {record: 5.0}
 #: It is told at most every so often, seconds.
 STEP_NEWS_S = 0.1
 #: What is placed so far is shown so often, seconds, ...

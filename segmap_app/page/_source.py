@@ -18,7 +18,7 @@ from segmap.files import escape
 from segmap.scans import Log
 from segmap.sensors import SensorError, ports, spinning_models
 
-from ..drives import HOKUYO, mirrored, new_path
+from ..drives import HOKUYO, mirror, new_path
 from ..files import Session, read_session
 from . import _shown
 from ._bar import Bar
@@ -89,7 +89,7 @@ class Laser:
 
     def turned(self, log: Log, path: Path) -> Log:
         """The log of a drive as the tick is now; then the file holds it so."""
-        return mirrored(path) if self._is_other else log
+        return mirror(path) if self._is_other else log
 
 
 class Source:

@@ -22,7 +22,7 @@ from segmap.scans import Log
 from segmap.segments import length
 
 from .. import files
-from ..drives import driven
+from ..drives import record
 from ..pipeline import MapChoices, Pipeline, begin, follow
 from . import _edits, _files, _shown
 from ._bar import Bar, Work
@@ -152,7 +152,7 @@ class Workbench(Page, Work):
         """Follow a laser in the worker, until Stop; then map its log."""
         with telling(self._bar.wrong):
             self._worker.grown = self._laser.turning(partial(self._grown, self.log))
-            self._begin(driven, laser := self._laser.named(), partial(self._driven, laser[2]))
+            self._begin(record, laser := self._laser.named(), partial(self._driven, laser[2]))
 
     def _driven(self, path: Path, drive: tuple[Log, str]) -> None:
         """Map the log of a drive, and say why it ended by itself."""

@@ -28,7 +28,7 @@ from .._output import (
     progress,
     progress_bars,
     reason,
-    stoppable,
+    stop_early,
 )
 from ._options import Demand, LogOptions
 from ._program import with_stored
@@ -82,7 +82,7 @@ def each_log(
         return on_workers(names, given, chosen)
     failed, codes, reports, taken = [], [0], [], dict[Path, str]()
     bars = progress_bars(quiet=reading.quiet)
-    with bars, stoppable(), progress(1 if reading.quiet else len(chosen), "log") as bar:
+    with bars, stop_early(), progress(1 if reading.quiet else len(chosen), "log") as bar:
         for files in chosen:
             source = files[0]
             bar.set_description(escape(Path(source).name))
@@ -149,13 +149,13 @@ def check_places(names: Iterable[str | None]) -> None:
     """End with an error of usage where one of the files cannot be written; nothing is done yet."""
     for name in filter(None, names):
         try:
-            for each in beside(Path(name)):
+            for each in companions(Path(name)):
                 check_place(each)
         except (ValueError, OSError) as error:
             raise Usage(reason(error)) from error
 
 
-def beside(path: Path) -> list[Path]:
+def companions(path: Path) -> list[Path]:
     """A file, and what is written with it: of a map for ROS its picture."""
     return [path, path.with_suffix(".pgm")] if path.suffix == ".yaml" else [path]
 
@@ -166,7 +166,7 @@ def sources(text: str) -> Iterator[str]:
     if not folder.is_dir() or is_log(folder):
         yield text
         return
-    inside = list(below(folder))
+    inside = list(files_in(folder))
     logs = [path for path in inside if is_log(path)]
     if others := [str(path.relative_to(folder)) for path in inside if path not in logs]:
         more = f" and {len(others) - NAMED} more" if len(others) > NAMED else ""
@@ -175,11 +175,11 @@ def sources(text: str) -> Iterator[str]:
     yield from map(str, logs or [folder])
 
 
-def below(folder: Path) -> Iterator[Path]:
+def files_in(folder: Path) -> Iterator[Path]:
     """What lies in a folder, with the files of a folder that is no log in its place."""
     for path in sorted(folder.glob("[!.]*")):
         if path.is_dir() and not (path.is_symlink() or is_log(path)):
-            yield from below(path)
+            yield from files_in(path)
         else:
             yield path
 
@@ -222,7 +222,7 @@ def too_little(demand: Demand, verdict: Verdict) -> bool:
     return verdict.grade == "not a map" or few or short_of_good
 
 
-def allowed(demand: Demand, verdict: Verdict, paths: list[Path], report: Report) -> list[Path]:
+def outputs(demand: Demand, verdict: Verdict, paths: list[Path], report: Report) -> list[Path]:
     """The files that may be written: none where there is too little, unless --force says so."""
     if demand.force or not too_little(demand, verdict):
         return paths
@@ -232,7 +232,7 @@ def allowed(demand: Demand, verdict: Verdict, paths: list[Path], report: Report)
     return []
 
 
-def concluded(demand: Demand, verdict: Verdict, report: Report) -> int:
+def conclude(demand: Demand, verdict: Verdict, report: Report) -> int:
     """Say the verdict on the map, as the last line, and give the exit code.
 
     Beside the output stands once more what makes it less than good.
@@ -246,7 +246,7 @@ def concluded(demand: Demand, verdict: Verdict, report: Report) -> int:
     return NO_MAP if too_little(demand, verdict) else 0
 
 
-def finished(
+def finish(
     demand: Demand,
     verdict: Verdict,
     paths: list[Path],
@@ -254,10 +254,10 @@ def finished(
     write: Callable[[Path], None],
 ) -> int:
     """Write each file where there is a map, name what was written, and say the verdict."""
-    written = allowed(demand, verdict, paths, report)
+    written = outputs(demand, verdict, paths, report)
     for path in written:
         write(path)
     if written:
-        names = [str(each) for path in written for each in beside(path)]
+        names = [str(each) for path in written for each in companions(path)]
         report.line("written", ", ".join(names), files=names)
-    return concluded(demand, verdict, report)
+    return conclude(demand, verdict, report)

@@ -31,7 +31,7 @@ class Threshold(NamedTuple):
     said: Declared
     default: Any
 
-    def shown(self) -> str:
+    def text_of(self) -> str:
         """The default as a user reads it, with its unit."""
         if self.default is None:
             return "none"

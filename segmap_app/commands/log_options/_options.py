@@ -128,7 +128,7 @@ class Laser:
         Parameter(metavar="X Y DEGREES", show_choices=False),
     ] = None
 
-    def kept(self) -> dict[str, Any]:
+    def options(self) -> dict[str, Any]:
         """What is said, as a session keeps it."""
         options = {name: value for name, value in vars(self).items() if value}
         if self.mount == "auto":

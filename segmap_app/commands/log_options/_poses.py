@@ -28,7 +28,7 @@ def recipe_of(given: LogOptions, log: Log) -> MapChoices:
     align = call_of(given.align or "pose_graph", METHODS)
     if align.name == "ground_truth" != usual_method(log):  # some scans have none
         align = replace(align, thresholds={"missing": "drop", **align.thresholds})
-    return MapChoices(align, prepare=given.laser.kept(), edits=given.edits())
+    return MapChoices(align, prepare=given.laser.options(), edits=given.edits())
 
 
 def placed_outcome(given: LogOptions, log: Log, report: Report) -> Pipeline:

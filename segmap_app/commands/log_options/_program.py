@@ -111,7 +111,7 @@ def output(what: str, *suffixes: str) -> Parameter:
     return files(*suffixes, alias="-o", help=words)
 
 
-def parsed(words: Sequence[str], stored: Mapping[str, Any] | None = None) -> partial[Any]:
+def parse(words: Sequence[str], stored: Mapping[str, Any] | None = None) -> partial[Any]:
     """The command that a line says, with its options, and below them those that are stored.
 
     Raises
@@ -141,7 +141,7 @@ def with_stored(given: Any, stored: Mapping[str, Any]) -> tuple[Any, list[str]]:
     options = with_calls(stored)
     arguments = APP[given.words[0]].assemble_argument_collection()
     unknown = [name for name in options if arguments.get(f"--{name}", None) is None]
-    return parsed(given.words, options).keywords["given"], unknown
+    return parse(given.words, options).keywords["given"], unknown
 
 
 def _from_file(app: App, commands: tuple[str, ...], arguments: ArgumentCollection) -> None:

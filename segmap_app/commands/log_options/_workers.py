@@ -21,7 +21,7 @@ from typing import Any
 from segmap.display import pip_install, plural
 from segmap.files import escape, write_bytes
 
-from .._output import NO_MAP, Usage, print_error, print_line, progress, stoppable
+from .._output import NO_MAP, Usage, print_error, print_line, progress, stop_early
 from ._options import LogOptions
 from ._program import FOR_ALL, JOB
 
@@ -43,7 +43,7 @@ def on_workers(names: Sequence[str], given: LogOptions, chosen: list[list[str]])
         count = plural(len(chosen) - len(waiting), "log")
         print_line(f"{count} of {len(chosen)} done before: {escape(table)}")
     with ExitStack() as stack:
-        stack.enter_context(stoppable())
+        stack.enter_context(stop_early())
         executor, client = stack.enter_context(_executor(str(reading.workers)))
         bar = stack.enter_context(progress(1 if reading.quiet else len(waiting), "log"))
         jobs = {

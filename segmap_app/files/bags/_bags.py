@@ -59,7 +59,7 @@ from ._lasers import (
     turns,
     warn_of_bag,
 )
-from ._open import FRAMES, Bag, opened
+from ._open import FRAMES, Bag, open_bag
 
 ODOMETRY_TYPES = ("nav_msgs/msg/Odometry",)
 #: Poses that are odometry or truth where they are named.
@@ -157,7 +157,7 @@ def _read_parts(
     truth: str | None = None,
 ) -> Log:
     """Scans and odometry, then as much of the transforms as is needed."""
-    with opened(parts) as bag:
+    with open_bag(parts) as bag:
         recording = _Recording(bag, Reading(parts[0], on_error))
         lasers = scan_topics(bag, scans)
         if not lasers:
@@ -205,7 +205,7 @@ class _Recording:
             announce(counts.total() / count, f"reading message {counts[topic] + 1} of {topic}")
             counts[topic] += 1
             try:
-                message = self.bag.decoded(data, kinds[topic])
+                message = self.bag.decode(data, kinds[topic])
                 with np.errstate(all="ignore"):
                     self._take(topic, kinds[topic], message, received_ns / 1e9, ordered)
             except ValueError as fault:
@@ -261,7 +261,7 @@ class _Recording:
         if mine:
             how = how_to_read("odometry", mine[0])
             self.assumed.append(f"{mine[0]} is of another robot than {laser} by tf, {how}")
-        base, above, track = self.frames.driven(laser)
+        base, above, track = self.frames.drive(laser)
         self.odometry = Way(track, base)
         if base and not above.split("/")[-1].startswith("odom"):
             self.assumed.append(f"the odometry is how {base} moves in {above}")
@@ -284,7 +284,7 @@ class _Recording:
             if ", " in lasers:
                 reason = f"{topic} holds the scans of several lasers, {lasers}: write one of them"
                 raise LogError(self.path, f"{reason} to a topic of its own, and name it")
-            place, mirrored = self._mounted(mine[0].frame, alone=len(topics) == 1)
+            place, mirrored = self._mount(mine[0].frame, alone=len(topics) == 1)
             groups = turns(mine)
             usual = time_between(groups)
             if usual:
@@ -312,7 +312,7 @@ class _Recording:
         skipped = self.reading.skipped
         return Log(name, scans, right, skipped, ordered, causes, self.assumed)
 
-    def _mounted(self, laser: str, *, alone: bool) -> tuple[Array, bool]:
+    def _mount(self, laser: str, *, alone: bool) -> tuple[Array, bool]:
         """Where a laser sits on the robot, and whether it hangs upside down."""
         space = self.place(laser)
         base = self.odometry.child or "the robot"

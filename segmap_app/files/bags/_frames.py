@@ -32,7 +32,7 @@ class Frames:
 
     def take(self, transform: Any, time: float, after: int | None = None) -> None:
         """Take in one transform: geometry_msgs/TransformStamped, its time, and scans before it."""
-        parent, child = plain(transform.header.frame_id), plain(transform.child_frame_id)
+        parent, child = strip(transform.header.frame_id), strip(transform.child_frame_id)
         place, turn = transform.transform.translation, transform.transform.rotation
         pose = in_space((place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z))
         first = self.poses.setdefault(child, pose)
@@ -61,7 +61,7 @@ class Frames:
 
         It is a ValueError where something between the two moves.
         """
-        up, down = self.chain(plain(laser)), self.chain(plain(base))
+        up, down = self.chain(strip(laser)), self.chain(strip(base))
         common = next((frame for frame in up if frame in down), None)
         if common is None:
             return None
@@ -72,7 +72,7 @@ class Frames:
 
     def base_of(self, laser: str) -> str:
         """The robot's frame where no odometry names it: the first "base" above the laser."""
-        return next((f for f in self.chain(plain(laser)) if _is(f, BASE_FRAME)), plain(laser))
+        return next((f for f in self.chain(strip(laser)) if _is(f, BASE_FRAME)), strip(laser))
 
     def carries(self, base: str, laser: str) -> bool | None:
         """Whether the laser is fixed to a frame; None where nothing tells of one of them."""
@@ -81,15 +81,15 @@ class Frames:
                 return True
         except ValueError:
             return False
-        return False if {plain(base), plain(laser)} <= {*self.above, *self.above.values()} else None
+        return False if {strip(base), strip(laser)} <= {*self.above, *self.above.values()} else None
 
-    def driven(self, laser: str) -> tuple[str, str, Track]:
+    def drive(self, laser: str) -> tuple[str, str, Track]:
         """The robot's frame, the one above in which it moves, and its poses there.
 
         That is the lowest link that moves, from the robot's frame on, and that of an odometry
         before others; where nothing is known of the laser, that of any odometry.
         """
-        up = list(self.chain(plain(laser)))
+        up = list(self.chain(strip(laser)))
         base = next((k for k, frame in enumerate(up) if _is(frame, BASE_FRAME)), 0)
         anywhere = [child for child, above in self.tracks if ODOMETRY_FRAME in above]
         for frame in up[base:] if len(up) > 1 else anywhere:
@@ -101,7 +101,7 @@ class Frames:
         return "", "", Track()
 
 
-def plain(frame: str) -> str:
+def strip(frame: str) -> str:
     """The name of a frame: ROS 1 may write it with a slash before it."""
     return frame.strip("/")
 

@@ -61,7 +61,7 @@ def turns(messages: Sequence[ScanMessage]) -> list[list[ScanMessage]]:
         return [[each] for each in messages]
     groups = [[messages[0]]]
     for a, b in pairs:
-        if _ahead(a, b) > 0 and 0 <= b.time - a.time <= MOST_APART:
+        if _lead(a, b) > 0 and 0 <= b.time - a.time <= MOST_APART:
             groups[-1].append(b)
         else:
             groups.append([b])
@@ -94,14 +94,14 @@ def time_between(found: Sequence[Sequence[ScanMessage]]) -> float:
     return float(np.median(steps)) if steps else 0.0
 
 
-def _ahead(a: ScanMessage, b: ScanMessage) -> float:
+def _lead(a: ScanMessage, b: ScanMessage) -> float:
     """How far the second message begins ahead of the first, in the direction of its turn."""
     return float(np.copysign(1.0, a.step) * (b.beams.angles[0] - a.beams.angles[0]))
 
 
 def _goes_on(a: ScanMessage, b: ScanMessage) -> bool:
     off = b.beams.angles[0] - a.beams.angles[-1] - a.step
-    return _ahead(a, b) > 0 and abs(float(off)) <= PART_GAP_BEAMS * abs(a.step)
+    return _lead(a, b) > 0 and abs(float(off)) <= PART_GAP_BEAMS * abs(a.step)
 
 
 def scan_topics(bag: Bag, named: Sequence[str] | None) -> list[str]:

@@ -65,7 +65,7 @@ class Bag:
                 if count < (most := sum(each.msgcount for each in chosen)):
                     raise ValueError(f"{count} of {most} messages are there")
 
-    def decoded(self, data: bytes, kind: str) -> Any:
+    def decode(self, data: bytes, kind: str) -> Any:
         """A message out of its bytes; damaged ones are a ValueError."""
         try:
             return self._decode(data, kind)
@@ -112,7 +112,7 @@ def _types(is_2: bool) -> Any:
 
 
 @contextmanager
-def opened(parts: Sequence[Path]) -> Iterator[Bag]:
+def open_bag(parts: Sequence[Path]) -> Iterator[Bag]:
     """A bag, closed in the end; one that is damaged is a LogError."""
     readers = []
     with ExitStack() as stack:

@@ -109,7 +109,7 @@ def test_what_is_missing_is_listed_and_no_log_is_overwritten(tmp_path, capsys):
 def test_a_log_that_comes_with_segmap_reads_as_it_was_written(tmp_path):
     """Catches beams that change places or times on their way through the table."""
     log = load("clinic")[:5]
-    assert len(list(drives.written(log, tmp_path / "it.csv"))) == 5
+    assert len(list(drives.save_each(log, tmp_path / "it.csv"))) == 5
     for ours, theirs in zip(read(tmp_path / "it.csv"), log, strict=True):
         assert np.allclose(ours.points(), theirs.points(), atol=2e-4)
 

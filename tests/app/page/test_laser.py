@@ -4,7 +4,7 @@ import numpy as np
 
 from segmap.readers import read
 from segmap.scans import LaserScan
-from segmap_app.drives import driven, written
+from segmap_app.drives import record, save_each
 from segmap_app.page import _job
 from segmap_app.page._source import Laser
 
@@ -14,7 +14,7 @@ def test_the_tick_turns_what_is_shown_and_the_log_whenever_it_is_set(tmp_path):
     angles = np.linspace(-3, 3, 90)
     scans = [LaserScan(1 + np.arange(90) / 50, angles, k, delays=angles + 3) for k in (0.0, 10.0)]
     path = tmp_path / "drive.csv"
-    list(written(scans, path))
+    list(save_each(scans, path))
     laser, seen = Laser(), []
     laser.port.value = "/dev/ttyUSB0"
     assert laser.named()[3] is None
@@ -33,5 +33,5 @@ def test_the_tick_turns_what_is_shown_and_the_log_whenever_it_is_set(tmp_path):
 
 def test_a_drive_has_no_end_that_kills_it():
     """Catches an hour after which a drive is ended and its map is lost."""
-    assert _job.PATIENCE_S[driven] > 0 and _job.most_time_s(driven) == 0
-    assert _job.most_time_s(written) == _job.MOST_TIME_S
+    assert _job.PATIENCE_S[record] > 0 and _job.most_time_s(record) == 0
+    assert _job.most_time_s(save_each) == _job.MOST_TIME_S
