@@ -31,7 +31,7 @@ from ._cells import (
 from ._doors import DRAWN, Door, find_doors
 from ._draft import Draft
 from ._lines import AXIS_BAND_RAD, Indices, Line, building_axes, quarter_turn, wall_lines
-from ._outlines import SLIT_M, SNAP_M, apart, room_of
+from ._outlines import SLIT_M, SNAP_M, apart
 from ._polygons import Room, shapely_or_hint
 from ._rooms import find_rooms
 from ._walls import Faces, draw_faces, normals, walls_and_clutter, with_doorway
@@ -288,7 +288,9 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
     """Rooms and doors of a plan, after what a person changed."""
     if not isinstance(edits, list | tuple) or not all(isinstance(each, Edit) for each in edits):
         raise ValueError(f"edits must be a list of edits, got {arrays.brief(edits)}")
-    grid, draft = base.grid, Draft(base.grid, base.parts, base.faces, base.least_area)
+    sills = np.reshape([one.place for one in base.doors], (-1, 2))
+    draft = Draft(base.grid, base.parts, base.faces, base.least_area, sills, base.outlined)
+    grid = base.grid
     unplaced = [f"{edit} ({why})" for edit in edits if (why := edit.on_rooms(draft))]
     parts, faces = draft.parts, draft.faces
     old, numbers = np.unique(parts[parts >= 0], return_inverse=True)
@@ -337,20 +339,6 @@ def _form_plan(base: Base, edits: Sequence[Edit]) -> FloorPlan:
 
 def _outline_rooms(base: Base, draft: Draft, doorways: Array) -> list[Room]:
     """The rooms of squares; those around which no edit changed anything are known."""
-    parts, rooms, reach = draft.parts, list[Room](), int(SNAP_M / base.grid.side) + 2
-    segments, side, size = draft.bounds()
-
-    def near(points: Array) -> NDArray[np.bool_]:
-        places = np.stack(base.grid.squares(points), -1)
-        return ((places.min(1) <= high + reach) & (places.max(1) >= low - reach)).all(1)
-
-    for k, box in enumerate(scipy.ndimage.find_objects(parts + 1)):
-        low, high = np.array([(each.start, each.stop) for each in box]).T
-        which, doors = near(segments), doorways[near(doorways[:, None])]
-        mine = segments[which], side[which], size[which]
-        squares = np.where(parts[box] < 0, 0, 1 + (parts[box] == k)).astype(np.int8)
-        key = b"".join(each.tobytes() for each in (low, high, squares, *mine, doors))
-        if key not in base.outlined:
-            base.outlined[key] = room_of(parts, k, box, base.grid, mine, doors, base.least_area)
-        rooms.append(base.outlined[key])
-    return apart(rooms, base.grid, parts)
+    boxes = scipy.ndimage.find_objects(draft.parts + 1)
+    rooms = [draft.outline(k, box, doorways) for k, box in enumerate(boxes)]
+    return apart(rooms, base.grid, draft.parts)

@@ -81,20 +81,25 @@ def draw_faces(segments: Array, grid: Grid, labels: Indices) -> Faces:
 def with_doorway(faces: Faces, ends: Array) -> Faces:
     """The runs with a gap from jamb to jamb `(2, 2)`: in both faces of the wall."""
     start, width, normal = ends[0], float(length(ends)), normals(ends[None])[0]
-    runs, residual = faces.segments, faces.residual
+    runs = faces.segments
     spans, off = (runs - start) @ (ends[1] - start) / width, (midpoint(runs) - start) @ normal
     is_cut = faces.wall & (abs(normals(runs) @ normal) > ALONG_COSINE)
     is_cut &= (abs(off) <= THICKEST_WALL_M) & (spans.min(1) < width) & (spans.max(1) > 0)
     cut = np.flatnonzero(is_cut)
     first, last = spans[cut].T
     gap = np.where((first < last)[:, None], (0.0, width), (width, 0.0))
-    share = ((gap - first[:, None]) / (last - first)[:, None]).clip(0, 1)
+    return with_gaps(faces, cut, ((gap - first[:, None]) / (last - first)[:, None]).clip(0, 1))
+
+
+def with_gaps(faces: Faces, cut: Indices, share: Array) -> Faces:
+    """The runs `cut` with a gap in each, from one to the other share `(n, 2)` of its length."""
+    runs = faces.segments
     jambs = runs[cut, :1] + share[..., None] * (runs[cut, 1:] - runs[cut, :1])
     pieces = np.concatenate([runs, np.stack([jambs[:, 1], runs[cut, 1]], 1)])
     pieces[cut, 1] = jambs[:, 0]
-    every = np.append(np.arange(len(runs)), cut)
-    wall = faces.wall[every] & (length(pieces) > MIN_LENGTH)
-    return Faces(pieces, faces.side[every], length(pieces), wall, residual[every], faces.members)
+    every, size = np.append(np.arange(len(runs)), cut), length(pieces)
+    wall = faces.wall[every] & (size > MIN_LENGTH)
+    return Faces(pieces, faces.side[every], size, wall, faces.residual[every], faces.members)
 
 
 def walls_and_clutter(faces: Faces) -> tuple[Reduction, Reduction, Array, Indices, Array]:

@@ -63,7 +63,11 @@ class Join(Edit):
     b: Place
 
     def on_rooms(self, draft: Draft) -> str:
-        """Both rooms become one, with what is narrower than a wall between them."""
+        """Both rooms become one, with their floor behind furniture.
+
+        Where no way leads from one to the other, so does what is narrower than a wall between
+        them, and walls that stand there are none.
+        """
         grid, parts = draft.grid, draft.parts
         one, other = (room_near(grid, parts, place) for place in (self.a, self.b))
         if min(one, other) < 0:
@@ -71,14 +75,23 @@ class Join(Edit):
         if one == other:
             return "both places are in one room"
         box = scipy.ndimage.find_objects(((parts == one) | (parts == other)).astype(int))[0]
-        own = parts[box]  # a view
-        rooms, between = ((own == one), (own == other)), own < -1
-        if scipy.ndimage.label(rooms[0] | rooms[1])[1] > 1:
-            across = sum(scipy.ndimage.distance_transform_edt(~room) for room in rooms)
-            between = (own < 0) & (across * grid.side <= THICKEST_WALL_M)
-            if scipy.ndimage.label(rooms[0] | rooms[1] | between)[1] > 1:
+        floors = parts.copy()
+        for room in np.unique(parts[box][parts[box] >= 0]):
+            around, is_floor = draft.floor(room)
+            floors[around][is_floor & (floors[around] < 0)] = room
+        joined = (floors == one) | (floors == other)
+        if scipy.ndimage.label(joined)[1] > 1:
+            box = scipy.ndimage.find_objects(joined.astype(int))[0]
+            own = floors[box]
+            away = (scipy.ndimage.distance_transform_edt(own != room) for room in (one, other))
+            across = np.where(own < 0, sum(away) * grid.side, np.inf)
+            if across.min() > THICKEST_WALL_M:
                 return f"more than {THICKEST_WALL_M:g} m lie between the two rooms"
-        own[rooms[0] | rooms[1] | between] = parts.max() + 1
+            joined[box] |= (between := across <= across.min() + 2 * grid.side)
+            near = np.zeros(parts.shape, np.int64)
+            near[box] = scipy.ndimage.maximum_filter(between, 3)
+            draft.take_walls(near)
+        parts[joined] = parts.max() + 1
         return ""
 
 

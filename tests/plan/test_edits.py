@@ -15,6 +15,7 @@ from segmap.plan import (
     floor_plan,
 )
 from segmap.quadtree import FREE, OCCUPIED, map_of_grid
+from segmap.segments import point_distance
 
 SIDE = 0.05
 #: Middles of three rooms of 4 x 4 m in a row, walls of 0.2 m and doors of 0.9 m between them.
@@ -78,6 +79,34 @@ def test_rooms_behind_a_wall_join_and_rooms_farther_apart_do_not():
     refused = apart.edited([Join(MIDDLES[0], MIDDLES[2])])
     assert outlines(refused) == outlines(apart)
     assert refused.unplaced == ["Join 2.5 2.5 10.9 2.5 (more than 0.5 m lie between the two rooms)"]
+
+
+@pytest.mark.parametrize("pair", [(0, 1), (0, 2), (2, 3)])
+def test_a_join_keeps_the_floor_behind_furniture_and_takes_the_wall_between(pair):
+    """Catches floor that was of a room only by the wall between both, and a wall in a room."""
+    cells = np.full((108, 168), OCCUPIED)
+    for left, low in [(2, 2), (86, 2), (2, 56), (86, 56)]:
+        cells[low : low + 50, left : left + 80] = FREE
+    cells[2:14, 68:82] = cells[40:52, 86:100] = cells[56:66, 2:16] = OCCUPIED
+    cells[56:66, 70:82] = OCCUPIED
+    walls = [[(0.1, y), (8.3, y)] for y in (0.1, 2.6, 2.8, 5.3)]
+    walls += [[(x, 0.1), (x, 5.3)] for x in (0.1, 4.1, 4.3, 8.3)]
+    for x, y, corner in [(3.4, 0.7, (4.1, 0.1)), (5, 2, (4.3, 2.6)), (0.8, 3.3, (0.1, 2.8))]:
+        walls += [[(x, y), (x, corner[1])], [(x, y), (corner[0], y)]]
+    walls += [[(3.5, 3.3), (3.5, 2.8)], [(3.5, 3.3), (4.1, 3.3)]]
+    plan = floor_plan(np.array(walls), map_of_grid(cells, resolution=SIDE))
+    places = np.array([(2, 1.5), (6.5, 1.5), (2, 4), (6.5, 4)])
+    one, other = plan.room_at(places[[*pair]])
+    both = plan.rooms[one].polygon.union(plan.rooms[other].polygon)
+    joined = plan.edited([Join(*places[[*pair]])])
+    whole = joined.rooms[joined.room_at(places[[pair[0]]])[0]]
+    gap = 0.2 * (2.5 if pair != (0, 2) else 4.0)
+    assert areas(plan) == [10.0] * 4 and not joined.unplaced
+    assert both.difference(whole.polygon).area < 0.01
+    assert whole.area == pytest.approx(20 + gap, abs=0.1)
+    assert sum(room.area for room in joined.rooms) == pytest.approx(40 + gap, abs=0.1)
+    middle = places[[*pair]].mean(0)
+    assert point_distance(middle, joined.walls.segments).min() > 0.5
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.3, 2.0])
