@@ -125,9 +125,12 @@ def localize(
     where these are fewer than 20, or the robot is not found yet and sees fewer than 6 lines, which
     fit in many corridors. Fox, Burgard and Thrun (1999) leave beams out by their distance.
 
-    Where these fit badly, the whole map is searched, and where the robot is not yet found at the
-    first scan that fits to less than 0.93. Does it fit better elsewhere, so many fresh particles
-    come there, as augmented filters draw anywhere.
+    The fit is a mean over the last scans at one place. Before the first it is 0.8, so that one look
+    is never enough: corridors of one building agree to a few centimetres over metres.
+
+    Where the scans fit badly, the whole map is searched, and where the robot is not yet found, when
+    they fit to less than 0.93. Does the scan fit better there, so many fresh particles come there,
+    as augmented filters draw anywhere; if that is another place, the mean begins anew.
 
     The robot is found where the scans leave one place only: drawing anew leaves each place its
     weight, so in a hall that maps onto itself by half a turn both stay. Where the walls of such a
@@ -174,7 +177,7 @@ def localize(
         poses, weights = np.zeros((0, 3)), np.zeros(0)
         before: LaserScan | None = None
         way, last = np.zeros(3), np.full(3, np.nan)
-        fit, anew, wait, patience, least = 0.0, True, 0, 1, FOUND_FIT
+        fit, least, wait, patience = DOUBTFUL_FIT, FOUND_FIT, 0, 1
         for k, scan in enumerate(scans):
             arrays.instance(scan, f"scan {k}", LaserScan)
             poses = predict(poses, (before, scan), way, rng, found=least == DOUBTFUL_FIT)
@@ -185,9 +188,8 @@ def localize(
                 continue
             points = sample_beams(ends, beams)
             fits = likelihoods.fits(points, poses)
-            best, wait = fits.max(initial=0.0), wait - 1
-            now = fit_of_best(likelihoods, ends, beams, poses, fits, least == DOUBTFUL_FIT)
-            fit, anew = now if anew else np.sqrt(fit * now), False
+            best, wait, elsewhere = fits.max(initial=0.0), wait - 1, False
+            earlier, fit = fit, np.sqrt(fit * fit_of_best(likelihoods, ends, poses, fits, least))
             if fit < (least if led else FOUND_FIT) and wait <= 0:
                 fresh = fresh_poses(likelihoods, ends, particles, rng)
                 there = likelihoods.fits(points, fresh)
@@ -198,19 +200,24 @@ def localize(
                         near = tree.query(fresh[:, :2])[0] <= SAME_PLACE_M
                         if there[near].max(initial=0.0) > (1 - BETTER_FIT_SHARE) * there.max():
                             fresh, there = fresh[near], there[near]
+                    goal, turn = fresh[np.argmax(there)], SAME_PLACE_RAD if led else np.pi
+                    elsewhere = not at_one_place(
+                        poses[fits == best], goal, SAME_PLACE_M, turn
+                    ).any()
+                    if elsewhere:
+                        earlier, least = DOUBTFUL_FIT, FOUND_FIT
+                    fit = np.sqrt(earlier * fit_of_best(likelihoods, ends, fresh, there, least))
                     weights = np.r_[(1 - new) * weights, np.full(len(fresh), new / len(fresh))]
                     poses, fits = np.concatenate([poses, fresh]), np.r_[fits, there]
-                    if not (led and fit):
-                        fit = fit_of_best(likelihoods, ends, beams, fresh, there, False)
-                anew = new > BETTER_FIT_SHARE or not len(poses)  # the mean begins anew
-                wait = patience = 1 if anew else min(2 * patience, LONGEST_WAIT_SCANS)
+                better = new > BETTER_FIT_SHARE or not len(poses)
+                wait = patience = 1 if better else min(2 * patience, LONGEST_WAIT_SCANS)
             weights = weights * fits ** (BEAM_WEIGHT_PART * len(points))
             weights /= weights.sum() or 1.0
             places = at_places(poses, weights)
             belief = estimate(poses, weights, places, fit, least)
-            least = DOUBTFUL_FIT if belief.found else FOUND_FIT
+            least = DOUBTFUL_FIT if belief.found else least
             here = belief.pose if belief.found else np.full(3, np.nan)
-            way, last = np.nan_to_num(between(last, here)) * (not anew), here
+            way, last = np.nan_to_num(between(last, here)) * (not elsewhere), here
             yield belief
             if places:
                 poses, weights = redraw(poses, weights, places, particles, rng)
@@ -246,15 +253,13 @@ def on_lines(ends: Array, least: int) -> Array:
     return ends[near] if len(lines) >= least and np.count_nonzero(near) >= LEAST_ON_LINES else ends
 
 
-def fit_of_best(
-    map: Likelihoods, ends: Array, beams: int, poses: Array, fits: Array, is_found: bool
-) -> float:
+def fit_of_best(map: Likelihoods, ends: Array, poses: Array, fits: Array, least: float) -> float:
     """How well a scan fits at the pose `(n, 3)` that fits best: all ends, or those on its lines."""
     best = float(fits.max(initial=0.0))
     if not len(poses) or best >= FOUND_FIT:
         return best
-    asked = on_lines(ends, 1 if is_found else LEAST_LINES)
-    return float(map.fits(sample_beams(asked, beams), poses[[np.argmax(fits)]])[0])
+    asked = on_lines(ends, LEAST_LINES if least == FOUND_FIT else 1)
+    return float(map.fits(asked, poses[[np.argmax(fits)]])[0])
 
 
 def fresh_poses(map: Likelihoods, ends: Array, count: int, rng: np.random.Generator) -> Array:
@@ -323,7 +328,7 @@ def estimate(
     if not places:
         unknown = np.full(3, np.nan), np.full((3, 3), np.nan)
         words, kind = "lost: no place explains the scan", Uncertainty.NO_PLACE
-        return Belief(*unknown, 0.0, fit, words, poses, weights, kind)
+        return Belief(*unknown, 0.0, 0.0, words, poses, weights, kind)
     shares = np.array([weights[place].sum() for place in places])
     place, share = places[int(np.argmax(shares))], float(shares.max())
     weight = weights[place] / share
@@ -332,7 +337,7 @@ def estimate(
     covariance = np.asarray(((flat - mean).T * weight) @ (flat - mean))
     pose = np.array([mean[0], mean[1], float(wrap(mean[2] + poses[place[0], 2]))])
     kind, reason = Uncertainty.NONE, ""
-    poor = f"at the best place lines of the scan fit to {fit:.2f} only"
+    poor = f"at the best place the last scans, or their lines, fit to {fit:.2f} only"
     if fit < LOST_FIT:
         kind, reason = Uncertainty.LOST, f"lost: {poor}"
     elif fit < least:

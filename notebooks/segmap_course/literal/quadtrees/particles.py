@@ -91,7 +91,8 @@ def localize(
     A scan is its ends, metres in the robot's frame, and the odometry. `value` is that of `fit`;
     `fresh` gives so many poses at the places that explain the ends: a search. `on_lines` gives
     those of the ends that lie on lines of their scan, all where it has fewer lines than so many:
-    where not all fit, these are asked.
+    where not all fit, these are asked. The fit is a mean over the last scans at one place; before
+    the first it is 0.8.
 
     Examples
     --------
@@ -99,8 +100,8 @@ def localize(
     >>> scans = [([(1.0, 0.0)], (0.0, 0.0, 0.0))] * 2
     >>> there = lambda points, count: [(0.0, 0.0, 0.0)] * count
     >>> steps = localize(scans, lambda place: 1.0, there, rng=np.random.default_rng(1))
-    >>> [(len(poses), fit) for poses, _, fit in steps]
-    [(1000, 1.0), (1000, 1.0)]
+    >>> [(len(poses), round(fit, 2)) for poses, _, fit in steps]
+    [(1000, 0.89), (1000, 0.95)]
     """
     poses: list[Pose] = []
     weights: list[float] = []
@@ -113,28 +114,44 @@ def localize(
             return best
         return fit(value, on_lines(points, lines), poses[fits.index(best)])
 
-    before, lately, anew, wait, patience, least = None, 0.0, True, 0, 1, 0.93
+    before, lately, wait, patience, least = None, 0.8, 0, 1, 0.93
     for points, odometry in scans:
         if before is not None:
             poses = [moved(pose, before, odometry, rng, least == 0.8) for pose in poses]
         fits = [fit(value, points, pose) for pose in poses]
         best, before, wait = max(fits, default=0.0), odometry, wait - 1
-        now = fit_of_best(points, poses, fits, 1 if least == 0.8 else 6)
-        lately, anew = now if anew else sqrt(lately * now), False  # anew at another place
-        if lately < least and wait <= 0:  # perhaps it is elsewhere
+        here = [pose for pose, its in zip(poses, fits, strict=True) if its == best]
+        now = sqrt(lately * fit_of_best(points, poses, fits, 1 if least == 0.8 else 6))
+        if now < least and wait <= 0:  # perhaps it is elsewhere
             others = fresh(points, particles)
             there = [fit(value, points, pose) for pose in others]
             share, patience = 1 - best / max(there, default=1.0), min(2 * patience, 16)
             if others and share > 0.05:
+                goal = others[there.index(max(there))]
+                if not any(at_one_place(pose, goal) for pose in here):
+                    lately, least = 0.8, 0.93  # nothing is known of that place yet
+                now = sqrt(lately * fit_of_best(points, others, there, 1 if least == 0.8 else 6))
                 weights = [(1 - share) * w for w in weights] + [share / len(there)] * len(there)
                 poses, fits, patience = poses + others, fits + there, 1
-                lately, anew = lately or fit_of_best(points, others, there, 6), True
             wait = patience = patience if poses else 1
+        lately = now
         weights = weighed(weights, fits, len(points) / 3)
         yield poses, weights, lately
         living = at_places(poses, weights)
-        least = 0.8 if len(living) == 1 and lately >= least else 0.93  # found, or not
+        least = 0.8 if len(living) == 1 and lately >= least else least  # found
         poses, weights = redrawn(poses, weights, living, particles, rng)
+
+
+def at_one_place(one: Pose, other: Pose) -> bool:
+    """Whether two poses lie no farther apart than half a metre, and half a radian.
+
+    Examples
+    --------
+    >>> at_one_place((0.0, 0.0, 3.1), (0.3, 0.0, -3.1))
+    True
+    """
+    turn = abs((one[2] - other[2] + pi) % (2 * pi) - pi)
+    return dist(one[:2], other[:2]) <= 0.5 and turn <= 0.5
 
 
 def at_places(poses: Sequence[Pose], weights: Sequence[float]) -> list[list[int]]:
@@ -148,8 +165,7 @@ def at_places(poses: Sequence[Pose], weights: Sequence[float]) -> list[list[int]
     unplaced, places = set(range(len(poses))), []
     while unplaced:
         top = poses[max(sorted(unplaced), key=lambda k: weights[k])]
-        near = [k for k in sorted(unplaced) if dist(poses[k][:2], top[:2]) <= 0.5 and
-                abs((poses[k][2] - top[2] + pi) % (2 * pi) - pi) <= 0.5]  # fmt: skip
+        near = [k for k in sorted(unplaced) if at_one_place(poses[k], top)]
         places.append(near)
         unplaced -= set(near)
     return [place for place in places if sum(weights[k] for k in place) >= 0.03]
