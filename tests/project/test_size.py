@@ -20,7 +20,7 @@ LAYERS = {
 }
 #: Lines of code of the core, at most: a commit that raises this says which issue grants it.
 CORE_LINES = (
-    14_559  # verdicts: issue Earned; noise: Real; edits: Hands; scans in motion: Live; costs: Scale
+    14_561  # verdicts: issue Earned; noise: Real; edits: Hands; scans in motion: Live; costs: Scale
 )
 #: A core that is so much smaller lowers the figure.
 SLACK_LINES = 150
