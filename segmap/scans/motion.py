@@ -55,15 +55,15 @@ def motion_compensated(scan: LaserScan, motions: Array) -> LaserScan:
     Valid beams stay valid, for `max_range` grows with the longest, and no other becomes so.
     """
     ranges, angles, valid = scan.ranges, scan.angles, scan.valid
-    moved = compose(inverse(scan.sensor_pose), compose(motions, scan.sensor_pose))
-    seen = np.where(valid, ranges, 0.0)
-    aim = angles + moved[..., 2]
-    x, y = moved[..., 0] + seen * np.cos(aim), moved[..., 1] + seen * np.sin(aim)
-    far = np.isfinite(ranges) & (ranges >= scan.max_range)
-    corrected = np.where(valid, np.hypot(x, y), np.where(far, np.inf, ranges))
-    turned = np.where(valid, aim + wrap(np.arctan2(y, x) - aim), aim)
-    limit = max(scan.max_range, float(np.nextafter(corrected[valid].max(initial=0.0), np.inf)))
-    return replace(scan, ranges=corrected, angles=turned, max_range=limit, delays=None)
+    poses = compose(inverse(scan.sensor_pose), compose(motions, scan.sensor_pose))
+    lengths = np.where(valid, ranges, 0.0)
+    aim = angles + poses[..., 2]
+    x, y = poses[..., 0] + lengths * np.cos(aim), poses[..., 1] + lengths * np.sin(aim)
+    is_far = np.isfinite(ranges) & (ranges >= scan.max_range)
+    new_ranges = np.where(valid, np.hypot(x, y), np.where(is_far, np.inf, ranges))
+    new_angles = np.where(valid, aim + wrap(np.arctan2(y, x) - aim), aim)
+    limit = max(scan.max_range, float(np.nextafter(new_ranges[valid].max(initial=0.0), np.inf)))
+    return replace(scan, ranges=new_ranges, angles=new_angles, max_range=limit, delays=None)
 
 
 def repeats_place(scans: Sequence[LaserScan], poses: Array) -> NDArray[np.bool_]:

@@ -48,10 +48,10 @@ def _step_from(log: Log, first: int) -> tuple[int, Array] | None:
     if len(points) < LEAST_POINTS:
         return None
     map = PointMap(points)
-    for second in (first + stride for stride in STRIDES if first + stride < len(log)):
-        current = in_range(log[second].points())
-        enough = len(current) >= LEAST_POINTS
-        match = register_near(map, current, np.zeros(3)) if enough else None
+    for second in (first + ahead for ahead in STRIDES if first + ahead < len(log)):
+        ends = in_range(log[second].points())
+        has_points = len(ends) >= LEAST_POINTS
+        match = register_near(map, ends, np.zeros(3)) if has_points else None
         if match is None or match.free is not None or match.turns:
             break
         step = second, match.pose

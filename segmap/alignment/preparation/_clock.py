@@ -34,19 +34,19 @@ def with_clock_mended(log: Log) -> Log:
         return log
     if not steps.any():
         return with_fields(log, time=[np.nan] * len(log))
-    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
-    broken = np.flatnonzero((steps < 0) | (steps > LEAP_S))
-    if not len(broken):
+    step_s = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    jumps = np.flatnonzero((steps < 0) | (steps > LEAP_S))
+    if not len(jumps):
         return log
-    if (back := int((steps < 0).sum())) > SHUFFLED_SCANS_SHARE * len(steps):
-        words = f"at {back} of {len(log)} scans time goes back: they may be in another order"
-        return replace(log, causes=(*log.causes, Finding(Cause.ORDER, back, words)))
-    leap = float(steps[broken[0]])
-    words = f"the clock is set {plural(len(broken), 'time')}, first by {leap:+.6g} s at scan "
-    words += f"{broken[0] + 1}: the order of the scans counts"
-    steps[broken] = usual
-    mended = times[0] + np.r_[0.0, np.cumsum(steps)]
-    return with_fields(log, Finding(Cause.CLOCK, leap, words), time=mended.tolist())
+    if (count := int((steps < 0).sum())) > SHUFFLED_SCANS_SHARE * len(steps):
+        words = f"at {count} of {len(log)} scans time goes back: they may be in another order"
+        return replace(log, causes=(*log.causes, Finding(Cause.ORDER, count, words)))
+    jump_s = float(steps[jumps[0]])
+    words = f"the clock is set {plural(len(jumps), 'time')}, first by {jump_s:+.6g} s at scan "
+    words += f"{jumps[0] + 1}: the order of the scans counts"
+    steps[jumps] = step_s
+    new_times = times[0] + np.r_[0.0, np.cumsum(steps)]
+    return with_fields(log, Finding(Cause.CLOCK, jump_s, words), time=new_times.tolist())
 
 
 def with_waiting_scans_spread(log: Log) -> Log:

@@ -89,15 +89,15 @@ def without_limit(log: Log, steps: Steps) -> Log:
     tells &= np.minimum(off_wall, off_limit) < SEEN_THROUGH_M
     tells &= pairs.through | (off_wall < off_limit)
     steps_of_range, index = np.unique(_range_steps(pairs.seen[tells]), return_inverse=True)
-    votes, limit = (np.bincount(index, which) for which in (None, (off_limit < off_wall)[tells]))
-    limits = steps_of_range[(votes >= LEAST_COMPARISONS) & (limit > votes / 2)]
-    ends = [np.isin(_range_steps(scan.ranges), limits) & scan.valid for scan in log]
-    at_limit = np.concatenate([scan.ranges[end] for scan, end in zip(log, ends, strict=True)])
+    votes, against = (np.bincount(index, which) for which in (None, (off_limit < off_wall)[tells]))
+    limit_steps = steps_of_range[(votes >= LEAST_COMPARISONS) & (against > votes / 2)]
+    masks = [np.isin(_range_steps(scan.ranges), limit_steps) & scan.valid for scan in log]
+    at_limit = np.concatenate([scan.ranges[mask] for scan, mask in zip(log, masks, strict=True)])
     if len(at_limit):
         number, share = float(np.median(at_limit)), 100 * len(at_limit) / sum(map(len, log))
         words = f"a range about {number:.4g} m means nothing met: {share:.2g} % of all"
         finding = Finding(Cause.NOTHING_MET, number, f"{words}, with no wall")
-        log = with_beams(log, ends, np.inf, finding)
+        log = with_beams(log, masks, np.inf, finding)
     return _at_one_range(log)
 
 
