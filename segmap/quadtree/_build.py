@@ -17,7 +17,7 @@ from ._map import QuadtreeMap, Resolution
 
 #: Side of the squares in which rays are counted that saw through, metres: half a leg's width, and
 #: more than walls scatter.
-PASSING = 0.1
+PASSING_M = 0.1
 
 
 @checked
@@ -71,7 +71,7 @@ def build_map(
 def without_passers(log: Log, poses: Poses, *, seen_through: Share = 0.2) -> Log:
     """The log without beams that met what is gone: people who walked through.
 
-    A quadtree of all scans counts for each square of `PASSING` the rays that crossed it and those
+    A quadtree of all scans counts for each square of `PASSING_M` the rays that crossed it and those
     that ended in it (B 4.1). Ends of beams become NaN where at most the share `seen_through` of
     these rays ended: the others saw through. They came later, since a square counts from the first
     beam that ends near it: who stood still remains, and who came at the end. Of the
@@ -91,7 +91,7 @@ def without_passers(log: Log, poses: Poses, *, seen_through: Share = 0.2) -> Log
     (array([nan]), array([4.05]))
     """
     where = checked_poses(log, poses)
-    map, scans = build_map(log, where, resolution=PASSING), list(log)
+    map, scans = build_map(log, where, resolution=PASSING_M), list(log)
     for k in np.flatnonzero(np.isfinite(where).all(1)).tolist():
         ranges, seen = log[k].ranges.copy(), np.flatnonzero(log[k].valid)
         ends = transform(where[k], log[k].points())

@@ -13,7 +13,7 @@ from .. import arrays
 from ..arrays import Array
 
 #: Values below this, in millimetres, are codes.
-LOWEST = 20
+LOWEST_MM = 20
 #: Codes that mean nothing met, or something out of reach; all others are errors. Code 6 is none: in
 #: logs of SCIP 1.1 and 2.0, beams with it stay without range while the sensor stands.
 OUT_OF_REACH_CODES = (0, 6)
@@ -24,7 +24,7 @@ NEIGHBOURS_BAD_CODE = 7
 #: The code where nothing was measured.
 NOT_MEASURED_CODE = 19
 
-_RANGES = np.where(np.isin(np.arange(LOWEST), OUT_OF_REACH_CODES), np.inf, np.nan)
+_RANGES = np.where(np.isin(np.arange(LOWEST_MM), OUT_OF_REACH_CODES), np.inf, np.nan)
 
 
 def as_ranges(millimetres: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
@@ -49,7 +49,7 @@ def as_ranges(millimetres: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
     """
     readings = arrays.numbers(millimetres, "millimetres")
     whole = np.rint(readings)
-    coded = (readings >= 0) & (whole < LOWEST)
+    coded = (readings >= 0) & (whole < LOWEST_MM)
     codes = np.where(coded, whole, 0).astype(np.int64)
     return np.where(coded, _RANGES[codes], np.where(readings > 0, readings / 1000, np.nan)), codes
 

@@ -9,7 +9,7 @@ from ._lines import PULLED_OUT_ERRORS, Lines
 from ._protocol import Refused, Reply, SensorError, SensorGone, Silent, parse_reply, refusal
 
 #: A scan in flight at 19 200 bit/s takes 1.1 s before the answer comes, seconds.
-IN_FLIGHT = 1.5
+IN_FLIGHT_S = 1.5
 #: So often a command is sent before its answer is given up.
 TRIES = 3
 #: The status of a scan, which comes for MD where the stream runs already.
@@ -39,7 +39,7 @@ def connect(lines: Lines) -> None:
 def status(lines: Lines, command: bytes) -> bytes | None:
     """The line after a command's echo, whatever else the sensor says before; None without one."""
     lines.write(command + b"\n")
-    for line in lines.until(lines.clock() + IN_FLIGHT, lines.quiet):
+    for line in lines.until(lines.clock() + IN_FLIGHT_S, lines.quiet):
         if line == command:
             return lines.line(lines.quiet)
     return None

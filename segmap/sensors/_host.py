@@ -9,14 +9,14 @@ from typing import Self
 
 from .. import arrays
 from ..scans import LaserScan
-from ._protocol import CLOCK
+from ._protocol import CLOCK_WRAP_MS
 
 #: Seconds after which the sensor's clock starts at 0 again: 4 h 39 min 37 s.
-CLOCK_WRAP_S = CLOCK / 1000.0
+CLOCK_WRAP_S = CLOCK_WRAP_MS / 1000.0
 #: Two quartz clocks drift apart by less than this, seconds a second: ten times what is usual.
-DRIFT = 1e-3
+DRIFT_S_PER_S = 1e-3
 #: The waiting reader looks so often whether it has been closed, seconds.
-LOOK = 0.05
+LOOK_S = 0.05
 
 _SINCE_1970 = time.time() - time.monotonic()
 
@@ -56,9 +56,9 @@ class HostClock:
             self._sensor, self._apart = stamp / 1000.0, arrived - self.least - stamp / 1000.0
         else:
             passed = arrived - self._last[1]
-            since = (stamp - self._last[0]) % CLOCK / 1000.0
+            since = (stamp - self._last[0]) % CLOCK_WRAP_MS / 1000.0
             self._sensor += since + CLOCK_WRAP_S * max(round((passed - since) / CLOCK_WRAP_S), 0)
-            drifted = self._apart + DRIFT * max(passed, 0.0)
+            drifted = self._apart + DRIFT_S_PER_S * max(passed, 0.0)
             self._apart = min(drifted, arrived - self.least - self._sensor)
         self._last = stamp, arrived
         return self._sensor + self._apart
@@ -100,7 +100,7 @@ class Newest:
         while True:
             with self._news:
                 while self._scan is None and not self._ended:
-                    self._news.wait(LOOK)
+                    self._news.wait(LOOK_S)
                 scan, self._scan = self._scan, None
             if scan is None:
                 break

@@ -20,7 +20,7 @@ LONGEST_ANSWER_BYTES = 512
 #: No reply has more lines: 2161 steps of three characters are 102 blocks.
 MOST_LINES = 128
 #: A sensor that has talked for so long without an answer is not going to give one, seconds.
-ENDLESS = 3.0
+ENDLESS_S = 3.0
 
 
 class Port(Protocol):
@@ -132,7 +132,7 @@ class Lines:
         while self.clock() - last < quiet:
             if self._read():
                 last = self.clock()
-            if self.clock() - begun > ENDLESS:
+            if self.clock() - begun > ENDLESS_S:
                 return False
         return True
 

@@ -16,11 +16,11 @@ from ._tcp import SENSOR_PORT, TcpPort, is_address, parse_address
 #: USB vendor of Hokuyo.
 VENDOR = 0x15D1
 #: A read comes back after this, seconds, with what there is.
-READ = 0.02
+READ_S = 0.02
 #: A sensor that takes nothing for so long has gone, seconds.
-WRITE = 1.0
+WRITE_S = 1.0
 #: A sensor in the same network answers sooner, seconds.
-CONNECT = 3.0
+CONNECT_S = 3.0
 
 _FORBIDDEN = "you may not use it: join the group that owns it, `dialout` on Debian and Ubuntu"
 _BUSY = "another program uses it: close that first"
@@ -92,8 +92,8 @@ def open_port(device: str, rate: int) -> Port:
     address = parse_address(device) if is_address(device) else None
     try:
         if address is not None:
-            return TcpPort(socket.create_connection(address, CONNECT))
-        limits = {"timeout": READ, "write_timeout": WRITE, "exclusive": True}
+            return TcpPort(socket.create_connection(address, CONNECT_S))
+        limits = {"timeout": READ_S, "write_timeout": WRITE_S, "exclusive": True}
         opened: Port = _pyserial("serial").Serial(device, rate, **limits)
         return opened
     except (*PULLED_OUT_ERRORS, ValueError) as error:

@@ -17,7 +17,7 @@ from .. import arrays
 #: Characters lie from "0" on, six bits each.
 ZERO = 0x30
 #: A clock of four characters wraps after so many milliseconds: 4 h 39 min 37 s.
-CLOCK = 1 << 24
+CLOCK_WRAP_MS = 1 << 24
 #: Data characters in a block.
 BLOCK_CHARACTERS = 64
 #: Characters of a distance that is asked for.
@@ -259,7 +259,7 @@ def encode_scan(clock: int, millimetres: ArrayLike, characters: int) -> list[byt
     [b'JUGnD', b'06805m`']
     """
     data = encode(np.minimum(millimetres, 64**characters - 1), characters)
-    lines = [encode(clock % CLOCK, 4), *blocks(data)]
+    lines = [encode(clock % CLOCK_WRAP_MS, 4), *blocks(data)]
     return [line + checksum(line) for line in lines]
 
 

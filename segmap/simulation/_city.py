@@ -12,7 +12,7 @@ from ..poses import transform
 from ._rooms import Length, box, pose_at_start, recess, rectangular_room
 
 #: One door, niche or pilaster stands in so many metres of a facade.
-PITCH = 4.0
+PITCH_M = 4.0
 #: Widths of these, metres.
 FEATURE_WIDTHS_M = (0.7, 1.6)
 #: How deep they lie, metres: below 0 they stand out.
@@ -27,7 +27,7 @@ def city(
     rows: int = 3,
     *,
     rng: np.random.Generator,
-    block: Annotated[Length, at_least(PITCH)] = 16.0,
+    block: Annotated[Length, at_least(PITCH_M)] = 16.0,
     street: Annotated[Length, at_least(2.5)] = 3.0,
 ) -> Array:
     """Square blocks with streets between and around them: a town, or the corridors of an office.
@@ -74,7 +74,7 @@ def city(
 def _facade(wall: Array, rng: np.random.Generator) -> Array:
     """A wall with something to its right, or left, in every four metres."""
     reach = float(np.hypot(*(wall[1] - wall[0])))
-    count = int(reach // PITCH)
+    count = int(reach // PITCH_M)
     cell = reach / count
     half = rng.uniform(*FEATURE_WIDTHS_M, count) / 2
     middle = cell * np.arange(count) + rng.uniform(half + 0.3, cell - half - 0.3)

@@ -7,7 +7,7 @@ import pytest
 from emulated import Wired, connected
 
 from segmap import read
-from segmap.scans.error_codes import LOWEST, as_far_ranges, as_ranges
+from segmap.scans.error_codes import LOWEST_MM, as_far_ranges, as_ranges
 from segmap.sensors.emulator import _worlds
 
 #: Every code, and the distances about the border and below the reach.
@@ -50,7 +50,7 @@ def as_rawseeds(tmp_path):
 def test_a_log_says_what_the_driver_says(way, tmp_path):
     """Catches a code that clears the map in one and says nothing in the other, as 6 once did."""
     live, log, count = driven(), way(tmp_path), len(MET)
-    assert live.codes.tolist() == [*range(LOWEST), *[0] * (count - LOWEST)]
+    assert live.codes.tolist() == [*range(LOWEST_MM), *[0] * (count - LOWEST_MM)]
     assert log.codes[:count].tolist() == live.codes.tolist()
     assert log.ranges[:count] == pytest.approx(live.ranges, abs=1e-12, nan_ok=True)
     assert log.valid[:count].tolist() == live.valid.tolist()

@@ -30,7 +30,7 @@ CHOSEN_M = 100.0
 #: Draws that give standard deviations to a tenth of their size.
 DRAWS = 32
 #: What lies within this, metres, is the neighbourhood of a pose: a large room, or a few small ones.
-NEARBY = 20.0
+NEARBY_M = 20.0
 
 
 class Rejected(NamedTuple):
@@ -190,7 +190,7 @@ def deviations(poses: Array, edges: Edge) -> Array:
 
 
 def place_deviations(
-    poses: Array, edges: Edge, weight: Array, *, reach: float = NEARBY
+    poses: Array, edges: Edge, weight: Array, *, reach: float = NEARBY_M
 ) -> tuple[Array, Array]:
     """Standard deviation of the place of each pose, `(n,)`, as the information of all edges has it.
 

@@ -20,7 +20,7 @@ from . import correlation
 #: Side of the cells that points are sorted into, metres: about the reach of the last steps.
 PARTNER_CELL_M = 0.15
 #: Smallest standard deviation, metres, that offsets from a wall are believed to have: a laser's.
-FLOOR = 0.01
+FLOOR_M = 0.01
 #: Side of the cells of the search, metres: half the reach of the descent that follows.
 SEARCH_CELL_M = 0.05
 #: Standard deviation of a wall in the cells of the search, metres: a wall between two cells must
@@ -154,7 +154,7 @@ class PointMap:
         partner = np.full(len(current), -1)
         points, reaches = np.ascontiguousarray(current), (float(reach), float(last))
         sigma, near, used, reach, stride, converged = kernels.point_to_line(
-            self._grid, points, pose, *reaches, FLOOR, _rms_range(current), stride, rounds,
+            self._grid, points, pose, *reaches, FLOOR_M, _rms_range(current), stride, rounds,
             partner, rows, system, scratch,
         )  # fmt: skip
         pose[2] = wrap(pose[2])

@@ -20,11 +20,11 @@ from ..points import FARTHEST_POINT_M, SEARCH_POINTS, PointMap, decimate, place_
 Members = Sequence[int] | NDArray[np.int64]
 
 #: A trusted loop counts as this length of a path through the graph, metres.
-LOOP_PATH = 0.5
+LOOP_PATH_M = 0.5
 #: Loops with a larger standard deviation, metres, are not part of paths through the graph. Without
 #: odometry they cannot confirm other loops either, nor can loops over steps with a larger one:
 #: along a corridor neither fixes anything.
-VAGUE = 0.2
+VAGUE_M = 0.2
 
 
 class Undoable:
@@ -186,7 +186,7 @@ def select_firm(loops: list[Edge]) -> list[Edge]:
     """Those loops that fix the place in all directions."""
     covariances = [np.linalg.inv(loop.information)[:2, :2] for loop in loops]
     wide = np.linalg.eigvalsh(np.reshape(covariances, (-1, 2, 2)))[:, -1]
-    return [loops[i] for i in np.flatnonzero(np.sqrt(wide) < VAGUE)]
+    return [loops[i] for i in np.flatnonzero(np.sqrt(wide) < VAGUE_M)]
 
 
 def ways_of(loops: list[Edge]) -> NDArray[np.int64]:
@@ -265,7 +265,7 @@ def path_lengths(
                 j = min(max(k + side, 0), len(along) - 1)
                 step, side = abs(along[j] - along[k]), side + 2
             else:
-                j, step, slot = ways[slot // 2, 1 - slot % 2], LOOP_PATH, link[slot]
+                j, step, slot = ways[slot // 2, 1 - slot % 2], LOOP_PATH_M, link[slot]
             if far + step <= most and far + step < metres[j]:
                 metres[j] = far + step
                 heapq.heappush(heap, (metres[j], j))

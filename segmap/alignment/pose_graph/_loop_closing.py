@@ -15,7 +15,7 @@ from .._result import Match, no_match
 from ..graph import Edge, Rejected, deviations, information, residuals, stack
 from ..points import LEAST_POINTS, PointMap
 from ._key_frames import (
-    VAGUE,
+    VAGUE_M,
     KeyFrames,
     Undoable,
     edges_but,
@@ -333,7 +333,7 @@ class LoopCloser(Undoable):
         old, new = (np.abs(frames.distance[i] - frames.distance[j]) for i, j in ends)
         vague = sum(np.abs(frames.spread[i] - frames.spread[j]) for i, j in ends)
         far, same = old > COMPARED_PATH_M, a.second == b.second
-        near = ~far & ~same & (new <= COMPARED_PATH_M) & (vague < VAGUE**2)
+        near = ~far & ~same & (new <= COMPARED_PATH_M) & (vague < VAGUE_M**2)
         one = compose(a.relative, between(frames.poses[a.second], frames.poses[b.second]))
         two = compose(between(frames.poses[a.first], frames.poses[b.first]), b.relative)
         x, y, heading = between(one, two).T

@@ -28,7 +28,7 @@ BRIDGED_GAP_M = 0.3
 #: Gaps that are bridged if something stood before them, metres.
 HIDDEN_GAP_M = 1.0
 #: A beam that passed through this length of a gap, metres, saw that there is no wall.
-THROUGH = 0.1
+THROUGH_M = 0.1
 #: A thing that hides a gap stands at least this far in front of it, metres: a nearer one, a
 #: pilaster, is part of the wall.
 NICHE_DEPTH_M = 0.3
@@ -89,7 +89,7 @@ def _gap_is_hidden(walls: Walls, line: Line, low: float, high: float, tolerance:
                 begin, end = min(begin, on), max(end, on)
                 before = before and np.hypot(on - u, v) <= SHADOW_DEPTH_M
         shared = min(high, end) - max(low, begin)
-        if behind and abs(from_v) > tolerance and shared > THROUGH:
+        if behind and abs(from_v) > tolerance and shared > THROUGH_M:
             return False
         hidden = hidden or (before and shared >= SHADE * (high - low))
     return hidden

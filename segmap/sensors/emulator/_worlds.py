@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from ... import arrays
 from ...arrays import Array, Segments, checked
 from ...scans.error_codes import (
-    LOWEST,
+    LOWEST_MM,
     NEIGHBOURS_BAD_CODE,
     NOT_MEASURED_CODE,
     NOTHING_MET_CODE,
@@ -100,7 +100,7 @@ class Room:
         pose, still = self.pose(turn)[None], OdometryNoise().ideal()
         (scan,) = simulate(self.walls, pose, sensor=self.sensor, rng=self.rng, odometry_noise=still)
         met = np.rint(1000 * scan.ranges)
-        ranges = np.where(met >= LOWEST, met, NEIGHBOURS_BAD_CODE)
+        ranges = np.where(met >= LOWEST_MM, met, NEIGHBOURS_BAD_CODE)
         steps = np.full(STEPS, NOT_MEASURED_CODE)
         measured = slice(FIRST_STEP, FIRST_STEP + len(met))
         steps[measured] = np.where(np.isposinf(met), NOTHING_MET_CODE, ranges)
