@@ -14,7 +14,7 @@ from segmap.plan import FloorPlan, floor_plan
 from segmap.plan.edits import Edit
 from segmap.quadtree import build_map
 
-from .pipeline import Pipeline, cropped
+from .pipeline import POLYLINES, Pipeline, cropped
 
 #: Sides of the cells of a map for a robot, and of the free space of a floor plan, metres.
 CELL = 0.05
@@ -24,9 +24,13 @@ def plan_of(outcome: Pipeline, edits: Sequence[Edit] = ()) -> FloorPlan:
     """The floor plan of an outcome, of one line a wall; edits are in the frame of the log."""
     warm.dispatch(["extraction extract_polylines", "quadtree all", "reduction one_per_wall"])
     log, poses = outcome.log_without_passers, outcome.alignment.trusted
-    seen = extraction.build_map(log, poses, keep_points=True)
+    recipe = outcome.recipe
+    if recipe.extract == POLYLINES and recipe.keeps_points():
+        seen = outcome.extracted
+    else:
+        seen = extraction.build_map(log, poses, keep_points=True)
     free = build_map(log, poses, resolution=CELL, free_resolution=CELL)
-    crop = outcome.recipe.edits.get("crop")
+    crop = recipe.edits.get("crop")
     walls = reduction.one_per_wall(cropped(seen, crop).filtered())
     turned = [edit.turned(outcome.turn) for edit in edits]
     return floor_plan(walls, cropped(free, crop), edits=turned)

@@ -78,7 +78,7 @@ class PlanEditor(anywidget.AnyWidget):
         if len(after.unplaced) > len(self.plan.unplaced):
             before, last = self.plan.unplaced, after.unplaced[-1]
             words = next((words for words in after.unplaced if words not in before), last)
-            self._show(f"nothing is changed: {words}")
+            self._show(f"nothing is changed: {words.removeprefix(f'{edit} ').strip('()')}")
             return
         self._undone.clear()
         self.plan, self.edits = after, after.edits

@@ -244,6 +244,10 @@ function render({ model, el }) {
     if (DRAWN.includes(tool)) svg.setPointerCapture(event.pointerId);
   });
   svg.addEventListener("pointermove", (event) => {
+    if (draft?.from && !pressed) {
+      draft.ends = [draft.from, placeOf(event)];
+      draw();
+    }
     if (!pressed) return;
     const off = [event.clientX - pressed.pixel[0], event.clientY - pressed.pixel[1]];
     if (!pressed.moved && Math.hypot(...off) < 4) return;
@@ -257,9 +261,15 @@ function render({ model, el }) {
     }
     draw();
   });
-  const lifted = () => {
-    const ends = pressed?.moved && DRAWN.includes(tool) && draft?.ends;
-    if (ends) send(tool, ...ends.map(rounded));
+  const lifted = () => { // a line is dragged, or its two ends are clicked
+    if (pressed && DRAWN.includes(tool)) {
+      if (pressed.moved) send(tool, ...draft.ends.map(rounded));
+      else if (draft?.from) send(tool, rounded(draft.from), rounded(pressed.at));
+      else {
+        draft = { from: pressed.at, ends: [pressed.at, pressed.at] };
+        status.textContent = "and the other end?";
+      }
+    }
     pressed = null;
   };
   svg.addEventListener("pointerup", lifted);

@@ -97,6 +97,8 @@ class Work:
         given: tuple[Any, ...],
         then: Callable[[Any], None],
         failed: Callable[[str], object] = str,
+        *,
+        words: str = "starting",
     ) -> None:
         """Call a function in the worker, and hand what it returns to another one here.
 
@@ -105,7 +107,7 @@ class Work:
         if self._thread.is_alive():
             self._bar.wrong("something is running: wait for it, or press Stop, then try again")
             return
-        self._bar.tell(0.0, "starting")
+        self._bar.tell(0.0, words)
         self._thread = threading.Thread(target=self._wait, args=(function, given, then, failed))
         self._thread.daemon = True
         self._settle(busy=True)

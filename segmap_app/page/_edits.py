@@ -95,7 +95,7 @@ class Rooms:
 
     What is done is kept in the edits, in the frame of the log: another run does it again.
     `begin` calls a function in the worker, `say` says what is done, and `outcome` is what is shown;
-    `editor` is the plan that stands there, None where none does.
+    `mended` is called after each edit. `editor` is the plan that stands there, or None.
     """
 
     def __init__(
@@ -104,8 +104,10 @@ class Rooms:
         begin: Callable[..., None],
         say: Callable[[str, float], None],
         outcome: Callable[[], Pipeline | None],
+        mended: Callable[[], None],
     ) -> None:
         self.edits, self._begin, self._say, self._outcome = edits, begin, say, outcome
+        self._tell_mended = mended
         self.editor: Any = None
         tip = "rooms with their areas, and doors: mend them with the mouse"
         self.switch: Any = W.ToggleButton(False, description="plan", tooltip=tip)
@@ -136,3 +138,4 @@ class Rooms:
     def _mended(self, change: Any) -> None:
         if (outcome := self._outcome()) is not None:
             self.edits.plan = tuple(edit.turned(-outcome.turn) for edit in change["new"])
+            self._tell_mended()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -42,10 +43,10 @@ def write_outcome(path: str | Path, outcome: Pipeline, plan: FloorPlan | None = 
         exports.write_segments(path, outcome.reductions[0], world=world_of(edits))
 
 
-def written(outcome: Pipeline, name: str, plan: FloorPlan | None = None) -> dict[str, bytes]:
-    """The files that `write_outcome` makes, by their names."""
+def written(name: str, write: Callable[..., object], *contents: object) -> dict[str, bytes]:
+    """The files that `write(path, *contents)` makes at this name, by their names."""
     with tempfile.TemporaryDirectory() as folder:
-        write_outcome(Path(folder) / name, outcome, plan=plan)
+        write(Path(folder) / name, *contents)
         return {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
 
 

@@ -168,9 +168,11 @@ class Source:
     def _read(self, folder: str | Path, name: str) -> None:
         expression = f'segmap.read({name!r}, on_error="skip")'
         self._given = place = (str(folder), name)
+        self._bar.tell(0.0, words := f"reading {escape(Path(name).name)}")
         with contextlib.suppress(ValueError, OSError):
             self.columns.show(_table_in(*place))
-        self._begin(_read_in_folder, place, lambda log: self._take(log, expression), self._refused)
+        take = partial(self._take, expression=expression)
+        self._begin(_read_in_folder, place, take, self._refused, words=words)
 
     def _read_columns(self, columns: list[str], view: tuple[float, float] | None) -> None:
         """Read the table again by what its columns are now."""

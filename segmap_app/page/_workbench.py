@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -87,7 +86,8 @@ class Workbench(Page, Work):
         self.people, self.deskew = chosen.people, chosen.deskew
         self.method, self.second = chosen.method, chosen.second
         self.edits, self.loops = chosen.edits, Loops(chosen.edits, self._looked, self._edited)
-        self.rooms = _edits.Rooms(chosen.edits, self._begin, self._bar.say, lambda: self.outcome)
+        shown_by = self._begin, self._bar.say, lambda: self.outcome, self._keep_asking
+        self.rooms = _edits.Rooms(chosen.edits, *shown_by)
         self._make_outputs(self._told)
         first = "malaga" if log is None else log
         self._source = Source(first, self._taken, self._bar, self._begin)
@@ -325,34 +325,41 @@ class Workbench(Page, Work):
         A name that ends in `.segmap` keeps the log with all that is chosen, and the runs.
         """
         if arrays.file(path).suffix.lower() == ".segmap":
-            outcome = self.outcome if self._known is self.outcome else None
-            log = outcome.given if outcome and outcome.stopped else self.log
-            files.write_session(path, self._work()[0].session(log, self._runs.rows))
+            files.write_session(path, self._session())
         else:
             self._result()
             _files.write_outcome(path, cast(Pipeline, self.outcome))
 
+    def _session(self) -> files.Session:
+        outcome = self.outcome if self._known is self.outcome else None
+        log = outcome.given if outcome and outcome.stopped else self.log
+        return self._work()[0].session(log, self._runs.rows)
+
     def _download(self, button: Any) -> None:
-        """Hand the floor plan that is shown, or else the first result, to the browser."""
+        """Hand the floor plan that is shown, or else the first result, to the browser.
+
+        One file at a time: of several that come without a click between them browsers take one.
+        """
         plan = self.rooms.plan if (end := SAVES[button.description]) not in NO_PLANS else None
         with telling(self._bar.wrong):
             method, outcome = self._result().method, cast(Pipeline, self.outcome)
             way = ["plan" if plan else method, outcome.stopped.replace(" ", "-")]
             name = file_name("-".join(filter(None, [self.log.name, *way])) + end)
-            if end == ".yaml":  # its cells take seconds
-                self._begin(_files.written, (outcome, name), self._save)
-            elif end == ".segmap":
-                with tempfile.TemporaryDirectory() as folder:
-                    self.export(Path(folder) / name)
-                    self._save({name: (Path(folder) / name).read_bytes()})
-            else:
-                self._save(_files.written(outcome, name, plan))
+            work: tuple[Any, ...] = (name, _files.write_outcome, outcome, plan)
+            if end == ".segmap":
+                work = (name, files.write_session, self._session())
+            self._begin(_files.written, work, self._save, words=f"writing {name}")
 
     def _save(self, files: Mapping[str, bytes]) -> None:
         for name, content in files.items():
             self.canvas.save(name, content)
-        self.canvas.unsaved = not any(name.endswith(".segmap") for name in files)
-        self._bar.say(f"saved: {', '.join(files)}", 1.0)
+        if any(name.endswith(".segmap") for name in files):
+            self.canvas.unsaved = False
+        self._bar.say(f"handed to the browser: {', '.join(files)}", 1.0)
+
+    def _keep_asking(self) -> None:
+        """A session that was saved lacks what is mended now."""
+        self.canvas.unsaved = True
 
     def _result(self, which: int = 0) -> Reduction:
         if self.outcome is None:

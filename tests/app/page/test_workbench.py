@@ -335,6 +335,7 @@ def test_a_run_that_is_stopped_keeps_what_is_placed_and_says_so(worker, tmp_path
     assert len(kept) == count and kept.causes[-1].words == words and kept.causes[-1].doubtful
     monkeypatch.setattr(made.canvas, "save", lambda name, content: grown.append(name))
     made.files.children[0].click()
+    made.wait()
     assert grown[-1] == f"malaga-fusion-{words.replace(' ', '-')}.dxf"
     made.method["tolerance"].value = 0.06
     made.edits.square.value = True  # an edit is of what is kept
@@ -557,13 +558,14 @@ def test_a_plan_is_mended_and_a_session_keeps_it(worker, tmp_path, monkeypatch):
     rooms.editor.do(plan_edits.Name(place, "the hall <b>$x"))
     rooms.editor.do(plan_edits.NoDoor(rooms.plan.doors[0].place))
     rooms.editor.do(plan_edits.Join((90, 90), (91, 91)))
-    assert rooms.editor.state["words"].startswith("nothing is changed: Join 90 90 91 91")
+    assert rooms.editor.state["words"].startswith("nothing is changed: no room at")
     sent = []
     monkeypatch.setattr(made.canvas, "save", lambda *given: sent.append(given))
     for shown, name in ((True, "room-plan.csv"), (False, "room-fusion.csv")):
         rooms.switch.value = shown
         made.wait()
         made.files.children[[*SAVES].index("Table (CSV)")].click()
+        made.wait()
         assert sent[-1][0] == name
         assert (
             (b"hall <b>$x" in sent[-1][1]) == shown == (headings(made)[7] == "Save the floor plan")
@@ -578,6 +580,11 @@ def test_a_plan_is_mended_and_a_session_keeps_it(worker, tmp_path, monkeypatch):
     assert {f"room-plan{end}" for end in ends} <= {given[0] for given in sent if given[1]}
     made.export(tmp_path / "it.segmap")
     first, second = files.read_session(tmp_path / "it.segmap").edits["edit"]
+    assert made.state.value == "handed to the browser: room-fusion.segmap"
+    assert not made.canvas.unsaved
+    rooms.editor.undo()
+    assert made.canvas.unsaved, "an edit after a session was saved is asked about"
+    rooms.editor.redo()
     assert first == f"Name {place[0]:g} {place[1]:g} the hall <b>$x" and second[:6] == "NoDoor"
     other = Workbench()
     other.open(tmp_path / "it.segmap")

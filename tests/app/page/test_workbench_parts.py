@@ -117,7 +117,9 @@ def test_maps_go_to_the_browser_about_their_middle():
 def source():
     """A source of logs, what it took, what it said, and what it asked of the worker."""
     took, begun, bar = [], [], Bar()
-    made = Source(LOG, lambda *given: took.append(given), bar, lambda *given: begun.append(given))
+    made = Source(
+        LOG, lambda *given: took.append(given), bar, lambda *given, words="": begun.append(given)
+    )
     return made, took, bar, begun
 
 
@@ -133,7 +135,7 @@ def test_pieces_of_a_file_are_put_together(source):
     assert (folder, name) == (kept, "b.log")
     assert (Path(kept) / "b.log").read_bytes() == b"x" * 2_000_000 + b"y" * 2_000_000
     assert made.take("", 0, 0, b"") == -1 and begun[1][1][1] == "upload.log"
-    assert made.take("one.log", 1, 0, b"x") == -1 and bar.bar.value == 1
+    assert made.take("one.log", 1, 0, b"x") == -1 and bar.state.value == "reading one.log ..."
     made.stop()
     made.stop()
     assert made.take("b.log", 9, 4, b"x") == -1 and len(begun) == 3 and made.log is LOG
